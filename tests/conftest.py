@@ -73,8 +73,8 @@ zenoh.open = _audited(zenoh.open)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """Return a process for each core and one more: a test of processes waits for half of its time."""
-    return len(os.sched_getaffinity(0)) + 1
+    """Return a process for each core, and one more unless all tests are pure: tests of processes often wait."""
+    return len(os.sched_getaffinity(0)) + ("not process" not in config.option.markexpr)
 
 
 _WARMING = pytest.StashKey[subprocess.Popen[str]]()

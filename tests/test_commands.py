@@ -13,6 +13,7 @@ import pytest
 from intellwheels_agents.iw_command import COMMANDS
 from intellwheels_schemas.version import version_text
 from tests.commands import ROOT, SCRIPTS, file_of
+from tests.every_case import every_case
 
 
 def run(name: str, *words: str) -> int:
@@ -23,13 +24,13 @@ def run(name: str, *words: str) -> int:
     return ended.value.code
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
+@every_case("name", SCRIPTS)
 def test_command_prints_the_version(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(name, "--version") == 0
     assert capsys.readouterr().out == f"{version_text()}\n"
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
+@every_case("name", SCRIPTS)
 def test_command_has_help_under_its_own_name(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(name, "--help") == 0
     shown = capsys.readouterr().out
@@ -37,7 +38,7 @@ def test_command_has_help_under_its_own_name(name: str, capsys: pytest.CaptureFi
     assert "--version" in shown
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
+@every_case("name", SCRIPTS)
 def test_wrong_usage_ends_with_2(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(name, "--no-such-option") == 2
     printed = capsys.readouterr().err

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.every_case import every_case
+
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "CONTRIBUTING.md").read_text()
 ROOMS = ("schemas", "server", "agents", "viewer", "maps", "tests")
@@ -69,7 +71,7 @@ def test_names_stand_in_the_sources() -> None:
     assert lacking == []
 
 
-@pytest.mark.parametrize("module", sorted(set(re.findall(r"python -m ([\w.]+)", TEXT))))
+@every_case("module", sorted(set(re.findall(r"python -m ([\w.]+)", TEXT))))
 def test_module_that_is_run_is_there(module: str) -> None:
     assert find_spec(module) is not None
 

@@ -45,7 +45,8 @@ def test_test_of_the_readme_passes(tmp_path: Path) -> None:
 
 def test_world_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
     (block,) = [block for block in BLOCKS if "begin(Setup" in block]
-    exec(compile(block, "README.md", "exec"), {})
+    (together,) = [block for block in BLOCKS if "advance_many(" in block]
+    exec(compile(block + together, "README.md", "exec"), {})
     said = capsys.readouterr().out
     assert said.startswith("Measures(")
     assert "tick=20, time=1.0" in said
@@ -113,7 +114,7 @@ def test_lab_of_the_readme_runs_command_by_command(tmp_path: Path, monkeypatch: 
 def test_public_imports_are_there() -> None:
     table = README.split("## Use it from Python")[1].split("```")[0]
     rows = re.findall(r"^\| `(intellwheels_[\w.]+)` \| (.+) \|$", table, re.MULTILINE)
-    assert len(rows) == 9
+    assert len(rows) == 10
     for package, uses in rows:
         for name in re.findall(r"`([\w.]+)`", uses.split(":")[0]):
             if name == "intellwheels":  # the fixture

@@ -6,8 +6,7 @@ import ast
 from functools import cache
 from pathlib import Path
 
-import pytest
-
+from tests.every_case import every_case
 from tests.reports import REPORTS, Report
 
 ROOT = Path(__file__).parent.parent
@@ -25,13 +24,13 @@ def _tests_in(file: str) -> frozenset[str]:
     return frozenset(node.name for node in tree.body if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
 
 
-@pytest.mark.parametrize("report", HERE, ids=lambda report: report.about)
+@every_case("report", HERE, ids=lambda report: report.about)
 def test_the_value_is_right(report: Report) -> None:
     assert report.case is not None
     assert report.case() == report.right
 
 
-@pytest.mark.parametrize("report", ELSEWHERE, ids=lambda report: report.about)
+@every_case("report", ELSEWHERE, ids=lambda report: report.about)
 def test_the_test_that_holds_it_exists(report: Report) -> None:
     assert report.case is None, "expected an input or the name of a test, got both"
     file, _, name = report.held_by.partition("::")

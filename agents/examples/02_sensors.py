@@ -45,4 +45,4 @@ def clearance(reading: ProximityReading) -> float:
     """Return the measured range in m; without a value, the status gives the reason."""
     if reading.value is not None:
         return reading.value
-    return 0.0 if reading.status == "near" else FAR
+    return FAR if reading.status == "none" else 0.0

@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from intellwheels_agents import minds, starter
 from intellwheels_agents.agent_peer import run_agent
+from intellwheels_agents.crew_harness import CrewMember
+from intellwheels_agents.crew_options import add_crew_options, check_crew_options, crew_name, numbered
+from intellwheels_agents.crew_peer import run_crew
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
 from intellwheels_agents.mind_help import mind_help
@@ -27,7 +31,7 @@ from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.command_parser import CommandParser, add_retry_option, naming
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.names import check_agent, check_word, new_hex
 from intellwheels_schemas.output_paths import check_output_folder
@@ -45,6 +49,8 @@ examples:
       iw-agent avoid --name chair1 --position 3,2,90
   your own mind, a Python file with a class Mind, for a body that another process provides
       iw-agent ./my_mind.py --name chair1 --role mind
+  two hundred people in one process: person1, person2 and so on, wherever there is room
+      iw-agent person --count 200
   a folder to start your own project from: a mind, a robot, a scene and tests, ready to run
       iw-agent new my-chair
 
@@ -130,6 +136,7 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="do not make the simulator wait for this agent in lockstep (default: as the robot says)",
     )
+    add_crew_options(result)
     add_retry_option(result)
     add_link_options(result)
     add_process_options(result)
@@ -150,17 +157,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         where = link_of(options)
         _check_together(options)
+        check_crew_options(options)
         source = minds.find(options.mind)
-        robot_options, mind_options = split_options(_pairs(options.option))
-        name = check_agent(_name_of(options.mind) if options.name is None else options.name, "--name")
+        pairs, encoding = _pairs(options.option), Encoding.XML if options.encoding == "xml" else Encoding.JSON
+        name = _name_of(options.mind) if options.name is None else options.name
+        if options.count is not None:
+            return _run_crew(options, source, pairs, name, where, encoding, stop)
+        robot_options, mind_options = split_options(pairs)
+        check_agent(name, "--name")
         for place in options.place or ():
             check_word(place, "--place")
         body = _body(options, source, robot_options, mind_options)
-        driven = source.equip(_robot(options), Options(mind_options)) if options.role == "mind" else body
-        check_mind_options(
-            source, driven, mind_options, own_body=options.role != "mind", agent=name, position=options.position
-        )
-        encoding = Encoding.XML if options.encoding == "xml" else Encoding.JSON
+        _check_mind(options, source, body, mind_options, name)
 
         def run(agent: str, place: str | None) -> int:
             robot = joining(
@@ -183,6 +191,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ConnectionError, MindError) as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 1
+
+
+def _run_crew(
+    options: argparse.Namespace,
+    source: minds.Source,
+    pairs: dict[str, str],
+    name: str,
+    where: Link,
+    encoding: Encoding,
+    stop: threading.Event,
+) -> int:
+    instance = new_hex()
+    members: list[CrewMember] = []
+    bodies: dict[tuple[tuple[str, str], ...], tuple[Robot, dict[str, str]]] = {}
+    for each in numbered(options.count, name, next(iter(options.place or ()), None), pairs):
+        key = tuple(each.options.items())
+        if key not in bodies:
+            robot_options, mind_options = split_options(each.options)
+            body = _body(options, source, robot_options, mind_options)
+            _check_mind(options, source, body, mind_options, each.name)
+            bodies[key] = body, mind_options
+        body, mind_options = bodies[key]
+        robot = joining(
+            body, agent=each.name, role=options.role, instance=instance, place=each.place,
+            barrier=False if options.no_barrier else None,
+        )  # fmt: skip
+        members.append(CrewMember(robot, source.make, mind_options))
+    crew, retry_for = crew_name(options, name), options.retry_for
+    return run_crew(crew, instance, members, where=where, encoding=encoding, retry_for=retry_for, stop=stop)
+
+
+def _check_mind(
+    options: argparse.Namespace, source: minds.Source, body: Robot, mind_options: dict[str, str], name: str
+) -> None:
+    driven = source.equip(_robot(options), Options(mind_options)) if options.role == "mind" else body
+    own_body = options.role != "mind"
+    check_mind_options(source, driven, mind_options, own_body=own_body, agent=name, position=options.position)
 
 
 def _write_starter(words: list[str]) -> int:

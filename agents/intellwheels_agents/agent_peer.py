@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import math
 import queue
 import sys
 import threading
@@ -21,6 +20,7 @@ from typing import Any, Literal, NamedTuple
 
 import zenoh
 
+from intellwheels_agents.decision_watch import DecisionWatch
 from intellwheels_agents.harness import Harness
 from intellwheels_agents.harness_outputs import (
     AskBody,
@@ -36,7 +36,6 @@ from intellwheels_agents.harness_outputs import (
     RequestLeave,
 )
 from intellwheels_agents.mind import Make
-from intellwheels_agents.mind_error import place_in
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
@@ -59,10 +58,6 @@ LEAVE_TIMEOUT = 2.0
 """Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
 QUEUE_LIMIT = 1024
 """Arrivals that may wait while the mind computes: a minute at 20 Hz."""
-SLOW_DECISION = 3.0
-"""Seconds that a mind decides before it is reported."""
-WATCH_PERIOD = 0.5
-"""Seconds between two looks at a mind that decides."""
 ARRIVAL_LIMIT = MAX_BYTES
 """Largest arrival that is accepted, in bytes: the contract's limit for one message."""
 
@@ -162,7 +157,7 @@ class _AgentPeer:
         self._exit: int | None = None
         self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | _Answered] = queue.SimpleQueue()
         self._dropped = 0
-        self._deciding_since = math.inf
+        self._watch = DecisionWatch(_log)
         self._harness = Harness(
             robot,
             make,
@@ -186,12 +181,8 @@ class _AgentPeer:
         """Run until `stop` is set or the harness ends, and return the exit code."""
         harness = self._harness
         failed = True
-        over = threading.Event()
-        threading.Thread(
-            target=self._watch_decisions, args=(over, threading.get_ident()), name="watch-decisions", daemon=True
-        ).start()
         # Closed here and in order: a subscriber that is still open when Python exits makes it hang.
-        with self._publisher, contextlib.ExitStack() as presence, self._subscriber, self._simulator_token:
+        with self._watch, self._publisher, contextlib.ExitStack() as presence, self._subscriber, self._simulator_token:
             presence.callback(self._disappear)
             try:
                 self._do(harness.start(time.monotonic()))
@@ -199,7 +190,6 @@ class _AgentPeer:
                     self._turn()
                 failed = False
             finally:
-                over.set()
                 outputs = harness.stop()
                 if failed:
                     # Remove the body at once instead of after the timeout, but print no "left" line: this is a crash.
@@ -243,7 +233,7 @@ class _AgentPeer:
         replied = False
         try:
             arrival = self._arrivals.get(timeout=pause)
-            self._deciding_since = time.monotonic()
+            self._watch.begin()
             while True:
                 if isinstance(arrival, zenoh.Sample):
                     self._take(arrival, batch)
@@ -261,17 +251,7 @@ class _AgentPeer:
             self._do(harness.measured_early(batch))
         elif batch:
             self._do(harness.measured(batch))
-        self._deciding_since = math.inf
-
-    def _watch_decisions(self, over: threading.Event, thread: int) -> None:
-        """Report, once, a mind that decides for long: it may be in an endless loop."""
-        reported = -math.inf
-        while not over.wait(WATCH_PERIOD):
-            since = self._deciding_since
-            if since != reported and time.monotonic() - since > SLOW_DECISION:
-                reported = since
-                frame = sys._current_frames().get(thread)
-                _log(f"slow decide={SLOW_DECISION:g}s at={place_in(frame)}")
+        self._watch.end()
 
     def _take(self, sample: zenoh.Sample, batch: list[Payload]) -> None:
         """Handle a sample; append `Measures` to `batch`, since only the newest of those waiting is answered."""

@@ -93,6 +93,7 @@ class Harness:
         fetch_map: Callable[[], Map] | None = None,
         simulator: str = "the simulator",
         retry_for: float = math.inf,
+        reads: type[Measures] = Measures,
     ) -> None:
         """Prepare to join with `robot`, a document made by `robot_document.joining`.
 
@@ -104,18 +105,18 @@ class Harness:
             fetch_map: Asks the simulator for its map.
             simulator: Where the simulator is looked for, as text for messages.
             retry_for: Seconds to look for the simulator before giving up.
+            reads: The class of what it gets each tick: in a crew, one with its name.
         """
         self.phase = Phase.SEEKING
         self.deadline: float | None = None
         self.missed = 0
         self.repeated = 0
         self.errors = 0
-        self._agent = robot.name or ""
+        self._agent, self._reads = robot.name or "", reads
         self._publishes_actions = robot.role != "body"
         self._awaited = joins_barrier(robot)
         self._request = JoinRequest(robot, encoding)
-        self._make = make
-        self._options = dict(options or {})
+        self._make, self._options = make, dict(options or {})
         self._encoding = encoding
         self._fetch_map = fetch_map or _no_map
         self._simulator = simulator
@@ -247,7 +248,7 @@ class Harness:
         newest_data = b""
         for payload in payloads:
             try:
-                measures = decode(Measures, *payload, strict=False)
+                measures = decode(self._reads, *payload, strict=False)
             except WireError as error:
                 self.errors += 1
                 outputs.append(Log(f"dropped message=Measures why={error.text!r}"))

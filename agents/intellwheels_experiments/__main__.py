@@ -112,6 +112,7 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
         log=options.log,
         timeout=options.timeout or (math.inf if options.view else wall_limit(chosen, options.speed)),
         view=options.view_port if options.view else None,
+        dark=options.dark,
         laboratory=free_endpoint() if chosen.bridge else "",
     )
     link = Link(spec.world, (), spec.meeting, spec.config, spec.identity)
@@ -173,6 +174,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         shortfall,
     )
     from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
+    from intellwheels_experiments.batch.cluster_batch import ClusterError  # noqa: PLC0415
     from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
     from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
 
@@ -187,8 +189,9 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         out=out,
         jobs=options.jobs,
         timeout=options.timeout or WALL_LIMIT,
-        say=once(lambda text: console.print(text, markup=False, highlight=False)),
+        say=once(lambda text: console.print(text, markup=False, highlight=False, soft_wrap=True)),
         part=options.part,
+        cluster=options.cluster,
     )
     stop = stop_on_signals()
     try:
@@ -214,6 +217,10 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     except BranchError as error:
         print(f"iw-run: --branch: {error}", file=sys.stderr)
         return 1
+    except ClusterError as error:
+        print(f"iw-run: --cluster: {error}", file=sys.stderr)
+        _say_shortfall(shortfall(batch, interrupted=True))
+        return 1
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
     if options.branch is None:
@@ -232,11 +239,11 @@ def _meeting(options: argparse.Namespace) -> list[str] | None:
     return given if given or options.config is not None else None
 
 
-_BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge")
+_BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge", "cluster")
 _BRANCH_ONLY: Final = ("at",)
-_PAGE_ONLY: Final = ("view_port",)
+_PAGE_ONLY: Final = ("view_port", "dark")
 _SINGLE_ONLY: Final = (
-    "floor", "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
+    "floor", "view", "view_port", "dark", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
     "connect", "config", "identity",
 )  # fmt: skip
 
@@ -263,11 +270,13 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
     if options.branch is None:
         rules += [(_BRANCH_ONLY, "expected with --branch, got none")]
     else:
-        rules += [(("seeds", "jobs", "part", "merge"), "expected without --branch, which repeats one run")]
+        rules += [(("seeds", "jobs", "part", "merge", "cluster"), "expected without --branch, which repeats one run")]
         if len(options.row or ()) > 1:
             rules += [(("row",), "expected one row with --branch, which repeats one run")]
     if options.merge:
-        rules += [(("jobs", "part"), "expected without --merge, which makes no runs")]
+        rules += [(("jobs", "part", "cluster"), "expected without --merge, which makes no runs")]
+    if options.cluster is not None:
+        rules += [(("jobs",), "expected without --cluster, whose workers have their own number of threads")]
     for group, text in rules:
         for name in given.intersection(group):
             option = f"--{name.replace('_', '-')}"
@@ -291,6 +300,7 @@ def _check_extras(options: argparse.Namespace) -> None:
     needed = ["server"]
     needed += ["viewer"] if options.view else []
     needed += ["experiments"] if options.seeds is not None or options.branch is not None else []
+    needed += ["cluster"] if options.cluster is not None else []
     lacking = missing_extra(*needed)
     if lacking is not None:
         raise WireError("value", lacking)

@@ -44,8 +44,12 @@ ACCESS: Final[dict[str, dict[LabRole, Access]]] = {
     "map": _row("writes", (), _OTHERS),
     "event": _row("writes", (), (*_LOOKERS, "bridge")),
     "clock": _row("writes", (), _OTHERS),
-    "crew_actions": _row("reads"),
-    "crew_measures": _row("writes"),
+    "crew_token": _row("reads", _AGENTS, ("recorder",)),
+    "crew_join": _row("reads", _AGENTS),
+    "crew_leave": _row("reads", _AGENTS),
+    "crew_actions": _row("reads", _AGENTS, ("recorder",)),
+    "crew_measures": _row("writes", (), _OTHERS),
+    "crew_error": _row("writes", (), _OTHERS),
     "ctl": _row("reads", ("operator",)),
     "ctl_agent": _row("reads", ("operator", "viewer")),
     "alive": _row("both", (), _OTHERS),
@@ -138,8 +142,11 @@ def _declared(name: str, may: May) -> list[str]:
 
 def _keys(name: str, channel: Channel, may: May, *, writes: bool) -> list[str]:
     key = f"{ROOT}/{may.world}/{channel.key}"
-    for part in ("<instance>", "<since>", "<part>", "<crew>"):
+    for part in ("<instance>", "<since>", "<part>"):
         key = key.replace(part, "*")
+    # A token names the agent first: by it, the owner of the agent allows a crew of any name to act for it. Else the
+    # crew's own name must be one that the identity may use for agents.
+    key = key.replace("<crew>", "*" if "<agent>" in key else "<agent>")
     agents = [_expression(pattern) for pattern in may.agents]
     if not writes and may.role in OVERSEES:
         agents = ["*"]

@@ -14,6 +14,10 @@ from intellwheels_schemas.messages import (
     Body,
     Clock,
     CrewActions,
+    CrewError,
+    CrewJoin,
+    CrewJoined,
+    CrewLeave,
     CrewMeasures,
     Delete,
     Error,
@@ -116,6 +120,15 @@ CHANNELS: Final[dict[str, Channel]] = {
     "event": Channel("event", "simulator", "put", "at each event", (Event,), (Events,), (Result,), get=True),
     "clock": Channel("clock", "simulator", "put", _CLOCK, (Clock,), (Clock,), get=True, priority="real-time",
                      express=True),
+    "crew_token": Channel(
+        "in/<agent>/alive/<role>/<instance>/<crew>", "process with many agents", "token", "while the process runs"
+    ),
+    "crew_join": Channel(
+        "crew/<crew>/join", "process with many agents", "query", "once", (CrewJoin,), (CrewJoined,), (Refused,)
+    ),
+    "crew_leave": Channel(
+        "crew/<crew>/leave", "process with many agents", "query", "once, optional", (CrewLeave,), (Result,), (Result,)
+    ),
     "crew_actions": Channel(
         "crew/<crew>/actions", "process with many agents", "put", "every tick", (CrewActions,),
         priority="interactive-high",
@@ -123,6 +136,7 @@ CHANNELS: Final[dict[str, Channel]] = {
     "crew_measures": Channel(
         "crew/<crew>/measures", "simulator", "put", "every tick", (CrewMeasures,), priority="data-high"
     ),
+    "crew_error": Channel("crew/<crew>/error", "simulator", "put", "rate-limited", (CrewError,), priority="data-low"),
     "ctl": Channel(
         "ctl/<verb>", "operator", "query", "on demand",
         (Pause, Resume, Step, Reset, Load, Speed, Spawn, OperatorSay, Save, Restore, Seek, Quit),

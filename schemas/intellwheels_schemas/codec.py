@@ -19,6 +19,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import check_plain, object_of_pairs, root_of, shown, too_long
 from intellwheels_schemas.messages import (
     Actions,
+    CrewJoin,
     Delete,
     Leave,
     Load,
@@ -70,6 +71,7 @@ LIMITS: Final[dict[type[Record], int]] = {
     Pose: 4 * SMALL,
     Robot: 16 * SMALL,
     Spawn: 16 * SMALL,
+    CrewJoin: MAX_BYTES // 2,
     Load: MAX_BYTES,
 }  # fmt: skip
 """Longest message of each class that the simulator receives, in bytes; for all others it is `MAX_BYTES`."""
@@ -187,7 +189,12 @@ def _no_constant(name: str) -> Any:
     raise ValueError(f"expected a number, got {name}")
 
 
-def _parse_json(data: bytes, where: str) -> Any:
+def parse_json(data: bytes, where: str) -> Any:
+    """Return the plain data of a JSON document.
+
+    Raises:
+        WireError: `malformed`.
+    """
     try:
         return json.loads(data.decode(), object_pairs_hook=object_of_pairs, parse_constant=_no_constant)
     except RecursionError:
@@ -213,17 +220,20 @@ def from_plain(cls: type[_M], plain: Any, *, strict: bool = True) -> _M:
         raise WireError("value", f"{root}: {error}", root) from None
 
 
-def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
+def _from_json(cls: type[_M], data: bytes, strict: bool, read: Callable[[bytes], _M]) -> _M:
     try:
-        message: _M = decoder_for(cls)(data)
+        message = read(data)
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
+        written = _write(message)
+        if written == data:  # as our writer writes it
+            return message
         # The encoded message repeats no name, so equal numbers of colons mean that the data repeats none either.
         # A colon within text counts on both sides, unless it is escaped.
-        if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
+        if b"null" not in data and b"\\u" not in data and data.count(b":") == written.count(b":"):
             return message
-    return from_plain(cls, _parse_json(data, root_of(cls)), strict=strict)
+    return from_plain(cls, parse_json(data, root_of(cls)), strict=strict)
 
 
 def _from_xml(cls: type[_M], data: bytes, strict: bool) -> _M:
@@ -250,9 +260,16 @@ def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, st
     Raises:
         WireError: The bytes are wrong. The error has code, place and text. Nothing else is raised.
     """
-    limit = LIMITS.get(cls, MAX_BYTES)
+    limit, read, has_rule = _reading(cls)
     if len(data) > limit:
         raise too_long(root_of(cls), limit, "bytes", len(data))
-    message = (_from_json if encoding is Encoding.JSON else _from_xml)(cls, data, strict)
-    rules.check(message)
+    message: _M = _from_json(cls, data, strict, read) if encoding is Encoding.JSON else _from_xml(cls, data, strict)
+    if has_rule:
+        rules.check(message)
     return message
+
+
+@cache
+def _reading(cls: type[_M]) -> tuple[int, Callable[[bytes], _M], bool]:
+    """Return the longest message of a class, its fast reader, and whether a rule spans several of its fields."""
+    return LIMITS.get(cls, MAX_BYTES), decoder_for(cls), rules.has_rule(cls)

@@ -31,7 +31,7 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "value": "a value outside its type or range",
     "too-long": "more bytes or characters than the limit",
     "too-many": "more items than the limit, or more messages than the simulator accepts",
-    "late": "the tick is over for too long; the message was dropped",
+    "late": "the tick ended too long ago; the message was dropped",
     "early": "the tick has not started yet; the message was dropped",
     "answered": "a member of the barrier sent two different answers to one tick; the second one was dropped",
     "session": "the Session is old or belongs to another process; the message was dropped",

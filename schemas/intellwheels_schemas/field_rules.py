@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from intellwheels_schemas.messages import (
     Compare,
+    CrewJoin,
     LidarReading,
     Load,
     May,
@@ -112,6 +113,7 @@ _JSON: Final[dict[type[Record], list[Schema]]] = {
     Spawn: [{"properties": {"Robot": {"properties": {
         "Role": {"const": "both"}, "Type": {"const": "simulated"},
     }}}}],
+    CrewJoin: [{"properties": {"Robot": {"items": {"required": ["Name"]}}}}],
     Wall: [_if({"required": ["Thickness"]}, _corners(2), _corners(3))],
     Obstacle: [_corners(3)],
     Zone: [_corners(3)],
@@ -231,6 +233,8 @@ def _file_assertions() -> list[Assertion]:
     return [
         Assertion("Pose", f"not(normalize-space(@Covariance)) or {covariance} = 5", "6 numbers, or none"),
         *_crew("CrewActions"), *_crew("CrewMeasures"),
+        Assertion("CrewJoin/Robot", "@Name", "the Name of the agent"),
+        Assertion("CrewJoin/Robot", "count(../Robot[@Name = current()/@Name]) = 1", "each agent once"),
         Assertion("CrewActions/Actions", "count(../Actions[@Agent = current()/@Agent]) = 1", "each agent once"),
         Assertion("Load", "boolean(@Name) != boolean(Map)", "either Name or Map"),
         Assertion("Wall", "count(Corner) &gt;= 3 or (@Thickness and count(Corner) = 2)",

@@ -46,7 +46,7 @@ Checksum = Annotated[
     str,
     Meta(
         description="The last field of its line: 16 hex digits of BLAKE2b-64 over the Chain of the line before, if "
-        "there is one, and the bytes of this line before its Chain and the comma. Absent in version 1."
+        "there is one, and the bytes of this line before the comma that precedes `Chain`. Absent in version 1."
     ),
 ]
 
@@ -139,7 +139,7 @@ class Note(FileRecord, frozen=True, kw_only=True, tag="Note", tag_field="Do"):
 
 
 class Restart(FileRecord, frozen=True, kw_only=True, tag="Restart", tag_field="Do"):
-    """A reset, or with a map a load: a new run from tick 0 with the same bodies at their start poses."""
+    """A reset or, if `Map` is present, a load: a new run from tick 0 with the same bodies at their start poses."""
 
     run: Annotated[str, Meta(description="Id of the new run.")]
     seed: str
@@ -237,16 +237,16 @@ class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
 
     say_limit: Annotated[int, Meta(ge=1, le=1000)]
     """Longest message that an agent may send to others, in Unicode code points."""
-    say_range: Annotated[float, Meta(gt=0.0)]
+    say_range: Annotated[float, Meta(gt=0.0, le=20_000.0)]
     """Largest distance between the sender and a receiver of a message, in metres."""
-    command_timeout: Annotated[float, Meta(gt=0.0)]
+    command_timeout: Annotated[float, Meta(gt=0.0, le=1e9)]
     """Simulated seconds without a motor command after which both powers become 0."""
     truth: bool
     """Whether agents may have truth sensors."""
     strict: bool
     """Whether a missed deadline in lockstep ends the run."""
     end: End | None = None
-    """End condition of the first run; null means none."""
+    """End condition of the first run; null, which is allowed here, or absent means none."""
     say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
     say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = defaults.SAY_LOSS

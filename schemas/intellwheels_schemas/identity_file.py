@@ -117,9 +117,16 @@ def check_identity(path: Path, today: datetime.date | None = None) -> str:
     warnings = []
     if left is not None and left <= WARN_DAYS:
         warnings.append(f"{path}: {own.name} expires after {own.until}; {renewal}")
-    if path.stat().st_mode & 0o077:
-        warnings.append(f"{path}: others can read this secret; run chmod 600 {path}")
+    if exposed := exposure(path):
+        warnings.append(exposed)
     return "; ".join(warnings)
+
+
+def exposure(path: Path) -> str:
+    """Return in words that others on this machine can read or write a secret, and what to do; empty if they cannot."""
+    if not path.exists() or not path.stat().st_mode & 0o077:
+        return ""
+    return f"{path}: others can read this secret; run chmod 600 {path}"
 
 
 def keep_out_of_logs(environment: MutableMapping[str, str]) -> None:

@@ -25,6 +25,7 @@ OUT_KINDS: Final[dict[str, OutKind]] = {kind: kind for kind in get_args(OutKind)
 VERBS: Final[dict[str, Verb]] = {verb: verb for verb in get_args(Verb)}
 AGENT_VERBS: Final[frozenset[Verb]] = frozenset({"delete", "teleport", "take"})
 """Verbs about one agent. Their keys name it, so that a router can grant the right to one agent."""
+CREW_REQUESTS: Final[tuple[Literal["join", "leave"], ...]] = ("join", "leave")
 ROLES: Final[dict[str, Role]] = {role: role for role in get_args(Role)}
 
 
@@ -43,11 +44,19 @@ class Out(NamedTuple):
 
 
 class Token(NamedTuple):
-    """Owner of the liveliness token `in/<agent>/alive/<role>/<instance>`."""
+    """Owner of the liveliness token `in/<agent>/alive/<role>/<instance>`, or of one that ends with `/<crew>`."""
 
     agent: str
     role: Role
     instance: str
+    crew: str = ""
+
+
+class CrewQuery(NamedTuple):
+    """Crew and request of a key `crew/<crew>/join` or `crew/<crew>/leave`."""
+
+    crew: str
+    request: Literal["join", "leave"]
 
 
 class Control(NamedTuple):
@@ -80,7 +89,10 @@ class Keys:
         every_ctl: Key expressions for all control verbs.
         every_claim: Key expression for the liveliness tokens of the simulators that claim the world.
         every_put: Key expressions for everything that agents and users put, also on unknown keys.
-        every_token: Key expression for the liveliness tokens of all agents.
+        every_crew_join, every_crew_leave: Key expressions for the requests of all crews.
+        every_token: Key expression for the liveliness tokens of all agents that are in no crew.
+        every_crew_token: Key expression for the liveliness tokens of all agents of crews.
+        every_crew_measures: Key expression for recorders and viewers.
         every_body, every_state: Key expressions for recorders and viewers.
 
     Raises:
@@ -99,9 +111,13 @@ class Keys:
         self.every_leave = f"{p}leave/*"
         self.every_in = f"{p}in/*/*"
         self.every_user = f"{p}user/*"
-        self.every_put = (f"{p}in/**", f"{p}user/**")
+        self.every_put = (f"{p}in/**", f"{p}user/**", f"{p}crew/*/actions")
+        self.every_crew_join = f"{p}crew/*/join"
+        self.every_crew_leave = f"{p}crew/*/leave"
+        self.every_crew_measures = f"{p}crew/*/measures"
         self.every_ctl = (f"{p}ctl/*", f"{p}ctl/*/*")
         self.every_token = f"{p}in/*/alive/*/*"
+        self.every_crew_token = f"{p}in/*/alive/*/*/*"
         self.every_body = f"{p}body/*"
         self.every_state = f"{p}state/*"
 
@@ -131,11 +147,12 @@ class Keys:
         """Return the key of the `Pose` of a real robot."""
         return self.in_(agent, "pose")
 
-    def token(self, agent: str, role: Role, instance: str) -> str:
+    def token(self, agent: str, role: Role, instance: str, crew: str = "") -> str:
         """Return the key of an agent's liveliness token; `instance` is 16 hex digits, new in each process."""
         if not is_hex(instance) or role not in ROLES:
             raise ValueError(f"expected a role and 16 hex digits, got {role!r}, {instance!r}")
-        return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/{role}/{instance}"
+        member = f"/{check_name(crew, 'crew')}" if crew else ""
+        return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/{role}/{instance}{member}"
 
     def claim(self, claim: Claim) -> str:
         """Return the key of a simulator's claim on the world."""
@@ -144,8 +161,12 @@ class Keys:
         return f"{self.prefix}alive/{claim.since:016x}/{claim.instance}"
 
     def tokens(self, agent: str) -> str:
-        """Return the key expression that matches all liveliness tokens of one agent."""
+        """Return the key expression that matches all liveliness tokens of one agent that is in no crew."""
         return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/*/*"
+
+    def crew_tokens(self, agent: str) -> str:
+        """Return the key expression that matches all liveliness tokens of one agent of a crew."""
+        return f"{self.tokens(agent)}/*"
 
     def user(self, agent: str) -> str:
         """Return the key of `UserInput` for an agent."""
@@ -188,6 +209,18 @@ class Keys:
     def ctl_of(self, verb: Verb, message: Record) -> str:
         """Return the key on which a control message is sent. The message names its agent, if it has one."""
         return self.ctl(verb, getattr(message, "agent", None) if verb in AGENT_VERBS else None)
+
+    def crew_join(self, crew: str) -> str:
+        """Return the key that a crew queries to join."""
+        return f"{self.prefix}crew/{check_name(crew, 'crew')}/join"
+
+    def crew_leave(self, crew: str) -> str:
+        """Return the key that a crew queries to leave."""
+        return f"{self.prefix}crew/{check_name(crew, 'crew')}/leave"
+
+    def crew_error(self, crew: str) -> str:
+        """Return the key of a crew's `CrewError` messages."""
+        return f"{self.prefix}crew/{check_name(crew, 'crew')}/error"
 
     def crew_actions(self, crew: str) -> str:
         """Return the key of a crew's `CrewActions`."""
@@ -239,9 +272,9 @@ class Keys:
 
     def parse_token(self, key: str) -> Token | None:
         """Return the owner of the token, or None if it is another key."""
-        match self._chunks(key, 5):
-            case ["in", agent, "alive", role, instance] if role in ROLES and is_name(agent) and is_hex(instance):
-                return Token(agent, ROLES[role], instance)
+        match self._chunks(key, 5) or self._chunks(key, 6):
+            case ["in", agent, "alive", role, instance, *crew] if role in ROLES and is_name(agent) and is_hex(instance):
+                return Token(agent, ROLES[role], instance, *crew) if all(map(is_name, crew)) else None
         return None
 
     def parse_claim(self, key: str) -> Claim | None:
@@ -285,8 +318,22 @@ class Keys:
 
     def parse_crew(self, key: str) -> str | None:
         """Return the crew whose actions the key carries, or None if it is another key."""
+        return self._crew(key, "actions")
+
+    def parse_crew_measures(self, key: str) -> str | None:
+        """Return the crew whose measures the key carries, or None if it is another key."""
+        return self._crew(key, "measures")
+
+    def parse_crew_query(self, key: str) -> CrewQuery | None:
+        """Return the crew that asks and what it asks for, or None if it is another key."""
+        for request in CREW_REQUESTS:
+            if (crew := self._crew(key, request)) is not None:
+                return CrewQuery(crew, request)
+        return None
+
+    def _crew(self, key: str, last: str) -> str | None:
         match self._chunks(key, 3):
-            case ["crew", crew, "actions"] if is_name(crew):
+            case ["crew", crew, kind] if kind == last and is_name(crew):
                 return crew
         return None
 

@@ -26,8 +26,7 @@ Terms:
 - A process joins as the *body* of an agent, as its *mind*, which controls the body, or as *both*.
 - In *lockstep*, a step waits for the answers of all members of the *barrier*. `Barrier` in `Robot` makes an agent a
   member.
-- A *crew* is a group of agents in one process. They share one key for actions and one for measures. The simulator does
-  not support crews yet, and refuses a `Robot` with `Crew`.
+- A *crew* is a group of agents in one process. They share one key for actions and one for measures.
 - An *operator* is a person or a program that controls the run or steers bodies. A *lease* allows an operator to steer a
   body instead of its mind, for a limited time.
 
@@ -57,11 +56,21 @@ NOTES: Final = """
 - The key of `ctl/delete`, `teleport` and `take` ends with the agent, so that a router can grant them for one agent. A
   query without it, and one whose payload names another agent, is refused.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
-  oldest event that is kept. A `since` that is no number gets an error reply.
+  oldest event that is kept. A `since` that is not a number gets an error reply.
 - A message on an unknown key below `in/<agent>/` or `user/<agent>` is dropped, and `out/<agent>/error` gets an Error
   `field` with the key. `UserInput` for an agent that has no `UserInput` in its `Robot` and is not taken is dropped, and
   `out/<agent>/error` gets an Error `role`; for an agent that is not there, `not-joined`. These errors come at most once
-  in 5 s for an agent, after the first two. Who steers an agent should subscribe to that key.
+  in 5 s for an agent, after the first two. A program that steers an agent should subscribe to that key.
+- A crew has at most 250 agents, each with a token of its own that ends with the crew's name. By it the agent's owner
+  allows the crew to act for it. `crew/<crew>/join` joins with many agents at once. It waits 1 s for their tokens, and
+  accepts or refuses each agent by itself. While a token of the crew's process exists, the crew is refused to any other
+  process, as `already-here`. Robots of a crew are simulated, with the role `both` or `mind`.
+- `CrewActions` and `CrewMeasures` come in parts of about 48 kB. Each part counts by itself, and has each agent at most
+  once. Puts of a crew should be at least 0.2 ms apart, as the router of a lab drops one that comes sooner. Wrong
+  actions of an agent do not affect the others. Their Error goes to `out/<agent>/error` and to `crew/<crew>/error`. An
+  agent that did not join with this crew, or a whole message that is wrong, has its Error on `crew/<crew>/error` only.
+- What an agent of a crew does by itself has the keys of any agent: `in/<agent>/say`, `leave/<agent>`, `user/<agent>`.
+  Its `Body` names its crew, and nothing is put on `out/<agent>/measures`.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
@@ -90,8 +99,8 @@ another version. The simulator accepts JSON and XML on all keys. It writes `out/
 - In XML, scalars are attributes and records are child elements. A list of records is a repeated child element, and a
   list of scalars is one attribute with spaces between the items. `Text` is the text of the element. In JSON, a list has
   the same name, in the singular.
-- Fields with their default value and empty lists are left out. `null` is refused, except in a lidar's `Ranges` (`-` in
-  XML). A field may occur only once in a record.
+- Fields with their default value and empty lists are left out. In messages `null` is refused, except in a lidar's
+  `Ranges` (`-` in XML). A field may occur only once in a record.
 - Numbers follow the JSON grammar in both encodings: no `+5`, `.5`, `007`, `NaN` or `INF`, and no fraction or exponent
   in a whole number.
 - The simulator writes a number as the shortest decimal that reads back as the same double-precision number. A number
@@ -108,11 +117,15 @@ another version. The simulator accepts JSON and XML on all keys. It writes `out/
 
 ACCESS: Final = """## Who may do what
 
-`iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. Who queries
-a key *writes* it, and who answers the query *reads* it. `<agent>` stands for the `Agents` of the identity. An operator,
-a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer only for `take`.
-The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000 messages a second on
-one key.
+`iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. A process
+that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
+identity, and so does `<crew>` in a key without an agent: the name of a crew is one that an agent of the identity could
+have. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer
+only for `take`. The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000
+messages a second on one key. It closes sessions beyond 100 of one certificate, or of one address of another machine
+(`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session. Queries other than `join` and
+`leave` have no rate. The simulator answers them between ticks: up to 2,048 wait for each key, and it reports those that
+find no room.
 
 """
 
@@ -137,9 +150,9 @@ LOGS: Final = """## Files for programs
 
 `iw-server` writes two kinds of JSON Lines files. The first line of an input log (`input.jsonl`) is an
 [InputHeader](#inputheader), every further line is an [InputTick](#inputtick), and the last one is an
-[InputEnd](#inputend). A second run from the log gives the same hashes. The first line of a trace (`trace.jsonl`) is a
+[InputEnd](#inputend). Re-simulating the log gives the same hashes. The first line of a trace (`trace.jsonl`) is a
 [TraceHeader](#traceheader), and every further line is a [TraceTick](#tracetick) with the true state at that tick. A
-reader refuses a header of another `Version`, and ignores fields that it does not know.
+reader refuses a header with a `Version` that it does not know, and ignores fields that it does not know.
 
 Each line of an input log ends with a checksum, `Chain`, over itself and all lines before it. A log without an
 `InputEnd` was truncated, and can be used up to its last whole line. A log with a wrong checksum was edited. Input logs

@@ -415,20 +415,21 @@ class Proximity(Record, frozen=True, kw_only=True):
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
     """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes). Latency of a
-    sonar must cover its delay and the time of sound to MaxRange and back. Every must cover this time and 50 ms, or the
-    ping period of its Device, and the difference between its delays."""
+    sonar must be at least its longer delay plus the time of sound to MaxRange and back. Every must be at least the
+    larger of that time of sound and the ping period of its Device (50 ms without one), plus the difference between its
+    two delays."""
     noise_volts: Volts = 0.01
     """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0
     """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
     device: SonarName | None = None
-    """Sonar only: a device whose published figures the sensor has; ConeDeg, ranges and Every must fit them."""
+    """Sonar only: name of a device, whose published figures then apply; ConeDeg, ranges and Every must fit them."""
     crosstalk: Share = 0.0
-    """Sonar only: share of the pulses of other sonars that the sensor takes for its own echo, if it can hear them."""
+    """Sonar only: share of the pings of other sonars that the sensor takes for its own echo, if it can hear them."""
     ping_delay: PingDelay = 0.0
-    """Sonar only: time from the tick of a sample to its pulse."""
+    """Sonar only: time from the tick of a sample to its ping."""
     second_ping_delay: PingDelay = 0.0
-    """Sonar only: the same for the second, fourth, ... pulse, so that crosstalk differs from pulse to pulse."""
+    """Sonar only: the same time for the second, fourth, ... ping, so that crosstalk differs from ping to ping."""
     group: Cycles = 0
     """Firing group: number of ticks by which the sensor samples later than group 0; must be less than Every."""
     mount: SensorMount = "body"
@@ -661,7 +662,7 @@ class Robot(Record, frozen=True, kw_only=True):
     """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
     """Pose to start at, if no Place is given. On a map with outer walls it must be within the box of all walls,
-    obstacles and places; a map without them ends nowhere. A real robot may start anywhere."""
+    obstacles and places; a map without outer walls has no boundary. A real robot may start anywhere."""
     proximity: tuple[Proximity, ...] = ()
     """Proximity sensors on the body."""
     lidar: tuple[Lidar, ...] = ()
@@ -735,6 +736,69 @@ class Leave(Record, frozen=True, kw_only=True):
 
     run: SentRun | None = None
     session: SentSession | None = None
+
+
+class CrewJoin(Record, frozen=True, kw_only=True):
+    """A request to join with many agents of one process; later requests add agents to the crew, up to 250 in all."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    instance: Hex
+    """Id of the joining process, random at each start; the same as in the liveliness tokens of its agents."""
+    robot: Annotated[tuple[Robot, ...], Meta(max_length=250)] = ()
+    """Robots of the agents, each with its Name; simulated, with the role both or mind."""
+
+
+class AgentJoined(Record, frozen=True, kw_only=True):
+    """An agent of a crew that has joined."""
+
+    agent: Name
+    """Name that the agent's Robot has in the request."""
+    session: Hex
+    """Id of this agent's join. Send it with its Actions and Say."""
+    position: Position
+    """Start pose of the body."""
+    robot: Robot
+    """Robot as the simulator accepted it."""
+
+
+class AgentRefused(Refused, frozen=True, kw_only=True):
+    """An agent of a crew that was refused."""
+
+    agent: Name
+    """Name that the agent's Robot has in the request."""
+
+
+class CrewJoined(Record, frozen=True, kw_only=True):
+    """The reply to a request to join with many agents: each is accepted or refused by itself."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    run: Run
+    tick: Tick
+    """First tick at which the agents take part."""
+    parameters: Parameters
+    """Settings of the simulation."""
+    joined: Annotated[tuple[AgentJoined, ...], Meta(max_length=250)] = ()
+    """Agents that have joined."""
+    refused: Annotated[tuple[AgentRefused, ...], Meta(max_length=250)] = ()
+    """Agents that were refused."""
+
+
+class AgentLeave(Leave, frozen=True, kw_only=True):
+    """The `Leave` of one agent of a crew."""
+
+    agent: Name
+    """Name of the agent that leaves."""
+
+
+class CrewLeave(Record, frozen=True, kw_only=True):
+    """A request to leave with many agents of a crew; one that is not there does not prevent the others."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    leave: Annotated[tuple[AgentLeave, ...], Meta(max_length=250)] = ()
+    """Agents that leave, each with its Session."""
 
 
 # ---------------------------------------------------------------- every tick
@@ -1069,6 +1133,13 @@ class Error(Record, frozen=True, kw_only=True):
     """Reason, for people: the place, what was expected and what was received."""
 
 
+class CrewError(Error, frozen=True, kw_only=True):
+    """An error in a message that a crew sent."""
+
+    agent: Name | None = None
+    """Agent that the error is about; absent means the whole message."""
+
+
 # ---------------------------------------------------------------- the world, for viewers
 
 
@@ -1104,11 +1175,11 @@ class Entity(Record, frozen=True, kw_only=True):
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
     command_age: Seconds = 0.0
-    """Mean time from the Measures to the effect of the commands that answer them; 0 below half a tick."""
+    """Mean time from the Measures to the effect of the commands that answer them; 0 means less than half a tick."""
     travelled: Travel | None = None
-    """Path of its centre of movement since the start of the run, without moves by an operator; absent in a playback."""
+    """Distance that the body has travelled in the run, without moves by an operator; absent in a playback."""
     turned: Turned | None = None
-    """Largest angle from the heading that it had at first in the run, up to pi; absent in a playback."""
+    """Largest angle from the first heading of the body in the run, up to pi; absent in a playback."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
@@ -1254,7 +1325,7 @@ class End(Record, frozen=True, kw_only=True):
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop simulated time. Steps that are being made end, and their request gets `incorrect-state`."""
+    """Stop simulated time. Steps in progress end, and their request gets `incorrect-state`."""
 
 
 class Resume(Record, frozen=True, kw_only=True):
@@ -1581,7 +1652,8 @@ class Uniform(Record, frozen=True, kw_only=True):
     high: Offset
     """Largest offset, more than Low."""
     follows: Word | None = None
-    """Another option of the agent that is drawn, whose offset is added too: a calibration follows what it measures."""
+    """Name of another Uniform option of this agent, whose offset is added to this number as well: so a calibration can
+    follow the wheel that it measures."""
 
 
 class Bridge(Record, frozen=True, kw_only=True):
@@ -1716,7 +1788,8 @@ class May(Record, frozen=True, kw_only=True):
     world: Name = defaults.WORLD
     """World in which it may do so."""
     agents: Annotated[tuple[NamePattern, ...], Meta(max_length=64)] = ()
-    """Agents that it may be, or steer and change: names, or beginnings such as st1-*. The role may need them."""
+    """Agents that it may be, steer or change: names, beginnings such as st1-*, or * for all. The roles agent, mind and
+    bridge require them; simulator and recorder have none."""
     verbs: Annotated[tuple[ControlVerb, ...], Meta(max_length=32)] = ()
     """Of an operator: control verbs that it may ask for; none means all."""
 
@@ -1746,7 +1819,8 @@ class Lab(Record, frozen=True, kw_only=True):
 
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
     "Robot": (Robot,), "Joined": (Joined,), "Refused": (Refused,), "Leave": (Leave,), "Actions": (Actions,),
-    "CrewActions": (CrewActions,), "CrewMeasures": (CrewMeasures,), "Say": (Say, OperatorSay), "Measures": (Measures,),
+    "CrewJoin": (CrewJoin,), "CrewJoined": (CrewJoined,), "CrewLeave": (CrewLeave,), "CrewActions": (CrewActions,),
+    "CrewMeasures": (CrewMeasures,), "CrewError": (CrewError,), "Say": (Say, OperatorSay), "Measures": (Measures,),
     "Pose": (Pose,), "Power": (PowerInForce,), "UserInput": (UserInput,), "Error": (Error,),
     "WorldState": (WorldState,), "Body": (Body,), "Event": (Event,), "Events": (Events,), "Clock": (Clock,),
     "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Lab": (Lab,), "Result": (Result,), "Pause": (Pause,),

@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         route = link.link_of(options)
         keys = Keys(route.world)
-        wanted = keys.alive if options.agent is None else keys.tokens(check_name(options.agent, "--agent"))
+        wanted, *more = [keys.alive] if options.agent is None else _tokens(keys, check_name(options.agent, "--agent"))
         session = link.open_session(route, threading.Event(), timeout=TIMEOUT)
     except WireError as error:
         print(f"present: {error.text}", file=sys.stderr)
@@ -47,11 +47,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if session is None:
         return 1
     with session:
-        if options.router or link.tokens(session, wanted):
+        if options.router or any(link.tokens(session, key) for key in (wanted, *more)):
             return 0
         denied = own_rights.denied(session, wanted, "watch")
     print(f"present: {denied or f'no liveliness token {wanted} at {route.where()}'}", file=sys.stderr)
     return 1
+
+
+def _tokens(keys: Keys, agent: str) -> list[str]:
+    return [keys.tokens(agent), keys.crew_tokens(agent)]
 
 
 if __name__ == "__main__":

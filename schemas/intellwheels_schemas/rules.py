@@ -13,9 +13,13 @@ from intellwheels_schemas.explain import shown, too_long
 from intellwheels_schemas.lab_rules import check_lab
 from intellwheels_schemas.messages import (
     Actions,
+    AgentActions,
     AgentMeasures,
     Body,
     CrewActions,
+    CrewJoin,
+    CrewJoined,
+    CrewLeave,
     CrewMeasures,
     Joined,
     Lab,
@@ -268,6 +272,28 @@ def _check_part(message: Any, where: str) -> None:
         raise wrong_value(f"{where}.Part", f"less than Parts {message.parts}", message.part)
 
 
+def _check_crew_join(join: CrewJoin, where: str) -> None:
+    names: set[str] = set()
+    for index, robot in enumerate(join.robot):
+        place = f"{where}.Robot[{index}]"
+        check_robot(robot, place)
+        if robot.name is None:
+            raise wrong_value(f"{place}.Name", "the name of an agent", "nothing", "field")
+        if robot.name in names:
+            raise wrong_value(f"{place}.Name", "each agent once", f"{shown(robot.name)} twice")
+        names.add(robot.name)
+
+
+def _check_crew_joined(joined: CrewJoined, where: str) -> None:
+    for index, agent in enumerate(joined.joined):
+        check_robot(agent.robot, f"{where}.Joined[{index}].Robot")
+
+
+def _check_crew_leave(crew: CrewLeave, where: str) -> None:
+    for index, leave in enumerate(crew.leave):
+        _check_session(leave, f"{where}.Leave[{index}]")
+
+
 def _check_crew_measures(crew: CrewMeasures, where: str) -> None:
     _check_part(crew, where)
     for index, measures in enumerate(crew.measures):
@@ -276,6 +302,9 @@ def _check_crew_measures(crew: CrewMeasures, where: str) -> None:
 
 def _check_crew_actions(crew: CrewActions, where: str) -> None:
     _check_part(crew, where)
+    names = {actions.agent for actions in crew.actions if actions.session is not None}
+    if len(names) == len(crew.actions):
+        return  # nearly always, and this is done every tick for many agents
     agents: set[str] = set()
     for index, actions in enumerate(crew.actions):
         if actions.agent in agents:
@@ -313,7 +342,12 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
     Joined: _check_joined,
     Body: _check_body,
     Measures: _check_measures,
+    CrewJoin: _check_crew_join,
+    CrewJoined: _check_crew_joined,
+    CrewLeave: _check_crew_leave,
     CrewMeasures: _check_crew_measures,
+    AgentMeasures: _check_measures,
+    AgentActions: _check_session,
     CrewActions: _check_crew_actions,
     Actions: _check_session,
     Say: _check_session,
@@ -325,6 +359,11 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
     Scene: check_scene,
     Lab: check_lab,
 }
+
+
+def has_rule(cls: type[Record]) -> bool:
+    """Return whether a rule spans fields of the messages of a class."""
+    return cls in _RULES
 
 
 def check(message: Record) -> None:

@@ -41,7 +41,7 @@ GAPS: Final = (
     Gap("a range where its `Status` is not ok, if not all are alike", _JSON,
         "JSON Schema does not pair the items of two lists.", ("Measures-lidar-value-none.json",)),
     Gap("the agents and rows of a scene", _JSON, _COMPARED, ()),
-    Gap("an unknown word in the braces of a `Command`", _XML, "Other braces may be part of the line, as in JSON.",
+    Gap("an unknown word in the braces of a `Command`", _XML, "A command may have other braces, as of JSON text.",
         ("Scene-command-placeholder.xml",)),
     Gap("a document type", _XML, _PARSED, ("Actions-document-type.xml", "Actions-entities.xml")),
     Gap("too many bytes", f"{_JSON}, {_XML}", _PARSED, ("UserInput-long.xml",)),

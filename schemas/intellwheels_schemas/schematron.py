@@ -18,11 +18,12 @@ def _contexts() -> dict[str, type[Record]]:
     """Return the class of each element by a pattern that finds it: its own name and that of its parent."""
     roots = [cls for cls in ROOTS if cls is not OperatorSay]
     found: dict[str, type[Record]] = {f"/{ROOTS[cls]}": cls for cls in roots}
-    parents = {wire.removeprefix("/"): {cls} for wire, cls in found.items()}
+    # Dictionaries keep their order; a set of classes has another one in each process.
+    parents = {wire.removeprefix("/"): {cls: None} for wire, cls in found.items()}
     for cls in classes_below(list(roots)):
         for member in shape_of(cls).members:
             if member.record is not None:
-                parents.setdefault(member.wire, set()).add(member.record)
+                parents.setdefault(member.wire, {})[member.record] = None
     for parent, classes in parents.items():
         for cls in classes:
             for member in shape_of(cls).members:

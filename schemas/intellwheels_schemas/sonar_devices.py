@@ -98,8 +98,8 @@ def reading_time(max_range: float, *delays: float) -> float:
 def sample_time(device: str | None, max_range: float, delay: float, second_delay: float) -> float:
     """Return the shortest time from sample to sample of a sonar, s.
 
-    From one ping to the next one are at least the period of the device and the time of the last echo. If the delays
-    differ, every other ping follows sooner on the one before.
+    Between two pings there is at least the longer of the period of the device and the time of the last echo. If the
+    delays differ, every other ping follows sooner on the one before.
 
     Args:
         device: The name of its device, None if it is no listed one.

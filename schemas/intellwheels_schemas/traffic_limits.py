@@ -50,12 +50,13 @@ def size_limits() -> list[dict[str, Any]]:
 def rates(given: Iterable[May]) -> list[dict[str, Any]]:
     """Return Zenoh's `downsampling` for what identities may do: at most `RATE` messages a second on each key.
 
-    Other queries than joins and leaves have no rate: Zenoh would drop the second of two honest ones at a time.
+    Other queries than joins and leaves have no rate: Zenoh would drop the second of two honest ones at a time, of any
+    session. The simulator answers them between ticks, for a bounded time.
     """
     entries = [may for may in given if may.role != "simulator"]
     wanted = {
         "put": [name for name, channel in CHANNELS.items() if channel.kind == "put" and channel.writer != "simulator"],
-        "query": ["join", "leave"],
+        "query": ["join", "leave", "crew_join", "crew_leave"],
     }
     found = []
     for message, names in wanted.items():

@@ -17,7 +17,10 @@ from intellwheels_schemas.messages import (
     ROOTS,
     Actions,
     AgentActions,
+    AgentJoined,
+    AgentLeave,
     AgentMeasures,
+    AgentRefused,
     Beacon,
     BeaconReading,
     Body,
@@ -31,6 +34,10 @@ from intellwheels_schemas.messages import (
     CompassReading,
     Corner,
     CrewActions,
+    CrewError,
+    CrewJoin,
+    CrewJoined,
+    CrewLeave,
     CrewMeasures,
     Delete,
     Door,
@@ -327,6 +334,25 @@ VALID: Final[dict[str, Record]] = {
     "Actions-leave": Actions(session=SESSION, tick=9, leave=True, goal=Goal(x=0.0, y=0.0, heading=-1.5), say=""),
     "Actions-text": Actions(session=SESSION, say="]]> <b>&amp; \"'\n\té 漢 😀 null NaN {\"Tick\":1}"),
     "Actions-floats": Actions(session=SESSION, left_motor=0.00001, right_motor=-1e-7),
+    "CrewJoin": CrewJoin(
+        crew="crew1", instance=INSTANCE,
+        robot=(msgspec.structs.replace(CHAIR, name="a1", instance=None), Robot(name="a2", role="mind")),
+    ),
+    "CrewJoined": CrewJoined(
+        crew="crew1", run=RUN, tick=12,
+        parameters=Parameters(
+            world="main", period=0.05, pace="lockstep", say_limit=100, say_range=8.0, command_timeout=0.5, grace=3.0
+        ),
+        joined=(
+            AgentJoined(agent="a1", session=SESSION, position=Position(x=1.0, y=2.0, heading=0.0), robot=CHAIR),
+        ),
+        refused=(AgentRefused(agent="a2", code="no-body", text="agent 'a2' has no body here yet"),),
+    ),
+    "CrewLeave": CrewLeave(crew="crew1", leave=(AgentLeave(agent="a1", session=SESSION),)),
+    "CrewError": CrewError(
+        run=RUN, tick=7, code="not-joined", where="CrewActions.Actions[0].Agent", agent="a9",
+        text="CrewActions.Actions[0].Agent: expected an agent that joined with crew 'crew1', got 'a9'",
+    ),
     "CrewActions": CrewActions(
         crew="crew1", parts=2,
         actions=(AgentActions(agent="a1", session=SESSION, tick=3, left_motor=1.0, right_motor=-1.0),),
@@ -576,6 +602,7 @@ def _lab(inside: str) -> bytes:
 
 _VIEWER = '<Identity Name="a"><May Role="viewer"/></Identity>'
 _CORNER = '<Corner X="0.0" Y="0.0"/>'
+_SESSION = SESSION.encode()
 _CREW_MEMBER = b'{"Agent":"a","Session":"%s"}' % SESSION.encode()
 
 _REFUSED: Final = (
@@ -817,6 +844,12 @@ _REFUSED: Final = (
           "Pose.Covariance"),
     Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[%s,%s]}' % ((_CREW_MEMBER,) * 2),
           "value", "CrewActions.Actions[1].Agent"),
+    Wrong("CrewJoin-name.json", b'{"Crew":"c","Instance":"%s","Robot":[{"Length":1.0,"Width":1.0}]}' % _SESSION,
+          "field", "CrewJoin.Robot[0].Name"),
+    Wrong("CrewJoin-name.xml",
+          b'<CrewJoin Crew="c" Instance="%s"><Robot Length="1.0" Width="1.0"/></CrewJoin>' % _SESSION,
+          "field", "CrewJoin.Robot[0].Name"),
+    Wrong("CrewLeave-session.json", b'{"Crew":"c","Leave":[{"Agent":"a"}]}', "field", "CrewLeave.Leave[0].Session"),
     Wrong("CrewActions-part.json", b'{"Crew":"c","Part":1,"Parts":1}', "value", "CrewActions.Part"),
     Wrong("CrewActions-part.xml", b'<CrewActions Crew="c" Part="1" Parts="1"/>', "value", "CrewActions.Part"),
     Wrong("Load-both.xml", b'<Load Name="ward"><Map Format="iw.v1" Name="m"/></Load>', "field", "Load"),

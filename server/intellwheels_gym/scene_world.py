@@ -128,6 +128,12 @@ class SceneWorld:
 
     def advance(self, powers: Mapping[str, tuple[float, float]]) -> None:
         """Make one tick: every mind decides, and the learners' motors get their powers, in [-1, 1]."""
+        inputs = self.decide(powers)
+        state, _ = advance(self.state, inputs)
+        self.take(state, inputs)
+
+    def decide(self, powers: Mapping[str, tuple[float, float]]) -> Inputs:
+        """Return the inputs of the next tick: what every mind decides, and the learners' powers, in [-1, 1]."""
         actions = {name: Actions(left_motor=left, right_motor=right) for name, (left, right) in powers.items()}
         for name, mind in self._minds.items():
             try:
@@ -137,8 +143,12 @@ class SceneWorld:
                 raise
             if isinstance(decided, Actions):
                 actions[name] = decided
-        self._state, _ = advance(self.state, Inputs(actions=actions))
-        for name in [name for name, one in actions.items() if one.leave]:
+        return Inputs(actions=actions)
+
+    def take(self, state: State, inputs: Inputs) -> None:
+        """Go on from the state that these inputs lead to. Whoever leaves is gone at once."""
+        self._state = state
+        for name in [name for name, one in inputs.actions.items() if one.leave]:
             del self._minds[name]
             self._state, _ = apply(self.state, [Depart(agent=name)])
 

@@ -106,7 +106,8 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace, start:
         return 1
     stop = stop_on_signals(given.lifeline)
     _end_on_panic()
-    from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
+    from intellwheels_server.service.claim_watch import WorldTakenError  # noqa: PLC0415
+    from intellwheels_server.service.simulator_peer import serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     warm()
@@ -179,7 +180,8 @@ def _play(given: argparse.Namespace, start: QuickStart) -> int:
     stop = stop_on_signals(given.lifeline)
     _end_on_panic()
     from intellwheels_server.log.seekable_log import SeekableLog  # noqa: PLC0415
-    from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
+    from intellwheels_server.service.claim_watch import WorldTakenError  # noqa: PLC0415
+    from intellwheels_server.service.simulator_peer import serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     def progress(lines: int) -> None:

@@ -13,6 +13,7 @@ from intellwheels_agents.options import OptionError
 from intellwheels_maps import names, scene
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.messages import Cast, Option, Scene
+from tests.every_case import every_case
 
 
 def changed(name: str, agent: str, mind: str | None = None, **options: str) -> Scene:
@@ -27,12 +28,12 @@ def changed(name: str, agent: str, mind: str | None = None, **options: str) -> S
     return replace(found, cast=tuple(change(cast) if cast.name == agent else cast for cast in found.cast))
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_the_cast_of_every_included_scene_can_start(name: str) -> None:
     check_cast(scene(name), None)
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("name", "agent", "mind", "options", "text"),
     [
         ("figure6", "chair1", None, {"sped": "1"}, "option sped: expected an option of this .* did you mean 'speed'"),

@@ -44,6 +44,7 @@ from intellwheels_schemas.messages import (
     Role,
 )
 from intellwheels_schemas.metal_codes import code_of, pose_line, power_line
+from tests.every_case import every_case
 
 RUN, OTHER_RUN = "a" * 16, "b" * 16
 SESSION, OTHER_SESSION = "c" * 16, "d" * 16
@@ -408,8 +409,8 @@ def test_other_errors_are_logged(mind: Recorder) -> None:
     assert harness.phase is Phase.JOINED
 
 
-@pytest.mark.parametrize(("role", "other"), [("body", "Actions"), ("mind", "Pose"), ("both", "Pose")])
-@pytest.mark.parametrize("code", ["role", "session", "not-joined"])
+@every_case(("role", "other"), [("body", "Actions"), ("mind", "Pose"), ("both", "Pose")])
+@every_case("code", ["role", "session", "not-joined"])
 def test_an_error_of_the_other_process_of_an_agent_is_not_ours(role: Role, other: str, code: ErrorCode) -> None:
     """Body and mind hear the same errors. A body that joined again for its mind's error would hold its chair."""
     answer = Pose(x=0.0, y=0.0, heading=0.0) if role == "body" else Actions()

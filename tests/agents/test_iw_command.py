@@ -7,6 +7,7 @@ import pytest
 from intellwheels_agents.iw_command import COMMANDS, main
 from intellwheels_maps import names
 from tests.commands import SCRIPTS
+from tests.every_case import every_case
 
 
 def test_every_command_of_the_distribution_has_a_line_in_the_help(capsys: pytest.CaptureFixture[str]) -> None:
@@ -19,7 +20,7 @@ def test_every_command_of_the_distribution_has_a_line_in_the_help(capsys: pytest
     assert all(f"  iw {name} " in printed for name in listed)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@every_case("name", COMMANDS)
 def test_a_command_gets_its_own_options(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main([name, "--help"])

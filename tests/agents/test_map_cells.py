@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import random
 
-import pytest
-
 from intellwheels_agents.map_cells import MOST_CELLS, MOST_ROWS, RESOLUTION, MapCells, fitting_size, map_cells, plan_of
 from intellwheels_maps import floor, names
 from intellwheels_schemas.messages import Corner, Grid, Map, Obstacle, Place, Wall
+from tests.every_case import every_case
 
 
 def drawn(*corners: tuple[float, float], **fields: float) -> Map:
@@ -60,7 +59,7 @@ def test_places_are_on_the_grid() -> None:
     assert (cells.west, cells.south, cells.columns, cells.rows) == (3.5, -3.5, 2, 2)
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_every_included_map_has_cells(name: str) -> None:
     cells = map_cells(floor(name))
     assert 0 < sum(cells.cells) < cells.columns * cells.rows <= MOST_CELLS

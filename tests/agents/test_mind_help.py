@@ -10,6 +10,7 @@ import pytest
 from intellwheels_agents import minds
 from intellwheels_agents.__main__ import main
 from intellwheels_agents.mind_help import mind_help, option_rows
+from tests.every_case import every_case
 
 
 def test_help_of_a_mind_lists_its_options_with_ranges_and_defaults(capsys: pytest.CaptureFixture[str]) -> None:
@@ -21,7 +22,7 @@ def test_help_of_a_mind_lists_its_options_with_ranges_and_defaults(capsys: pytes
     assert text.count("default 0.6") == 1
 
 
-@pytest.mark.parametrize("name", minds.names())
+@every_case("name", minds.names())
 def test_every_option_that_a_mind_reads_is_explained_too(name: str) -> None:
     shown = " ".join(mind_help(name).split())
     # Each with its range, in the one list of options.
@@ -40,7 +41,7 @@ def described(name: str) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("name", minds.names())
+@every_case("name", minds.names())
 def test_every_option_that_a_mind_describes_is_listed_with_its_range(name: str) -> None:
     assert described(name) == option_rows(name).keys()
 

@@ -30,6 +30,7 @@ from intellwheels_agents.portable_math import (
     tan,
 )
 from intellwheels_server.world.kernels import elementary
+from tests.every_case import every_case
 
 ROOT = Path(__file__).parents[2]
 SAME_EVERYWHERE = {
@@ -164,7 +165,7 @@ def _is_whole(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, int)
 
 
-@pytest.mark.parametrize("path", mind_code(), ids=lambda path: str(path.relative_to(ROOT / "agents")))
+@every_case("path", mind_code(), ids=lambda path: str(path.relative_to(ROOT / "agents")))
 def test_no_mind_uses_what_differs_between_machines(path: Path) -> None:
     found = list(faults(path.read_text()))
     if path.parent.name == NUMPY:
@@ -172,7 +173,7 @@ def test_no_mind_uses_what_differs_between_machines(path: Path) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("code", "fault"),
     [
         ("import math\nmath.sin(1.0)", "2: math.sin"),

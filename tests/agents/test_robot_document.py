@@ -10,6 +10,7 @@ from intellwheels_maps import robot as included
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Compass, Encoders, Robot
 from intellwheels_schemas.sonar_devices import DEVICES
+from tests.every_case import every_case
 
 ROBOT = Robot(
     format="iw.v1",
@@ -46,7 +47,7 @@ def test_fields_of_the_robot_and_of_all_sensors_of_a_kind_are_set() -> None:
     assert robot.kind == "car"
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("name", "value"),
     [
         ("MotorNose", "1"),

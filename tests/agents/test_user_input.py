@@ -9,10 +9,11 @@ from intellwheels_agents.user_input import Goals, mixed, takes_goals, unmixed, w
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Goal, UserInput
 from intellwheels_server.world.kernels.motor_power import user_power
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize("forward", [-1.0, -0.3, 0.0, 0.5, 1.0])
-@pytest.mark.parametrize("turn", [-1.0, 0.0, 0.2, 1.0])
+@every_case("forward", [-1.0, -0.3, 0.0, 0.5, 1.0])
+@every_case("turn", [-1.0, 0.0, 0.2, 1.0])
 def test_powers_match_the_simulators_under_a_lease(forward: float, turn: float) -> None:
     assert mixed(forward, turn) == user_power(forward, turn)
 

@@ -12,13 +12,14 @@ from intellwheels_maps import robot
 from intellwheels_schemas.messages import EncodersReading, Measures, Robot
 from intellwheels_server.world.kernels.motor_model import lag, wheel_cycle
 from tests.agents.kinematics import RUN
+from tests.every_case import every_case
 
 CHAIR = robot("rear-wheel")
 
 
-@pytest.mark.parametrize("period", [0.01, 0.05, 0.2])
-@pytest.mark.parametrize("curve", [0.0, 0.6, 0.95])
-@pytest.mark.parametrize("limit", [None, 0.3])
+@every_case("period", [0.01, 0.05, 0.2])
+@every_case("curve", [0.0, 0.6, 0.95])
+@every_case("limit", [None, 0.3])
 def test_cycle_is_that_of_the_world(period: float, curve: float, limit: float | None) -> None:
     motors = Motors.of(msgspec.structs.replace(CHAIR, acceleration_curve=curve, acceleration_limit=limit), period)
     now, wanted = 0.1, 0.7
@@ -64,9 +65,9 @@ def driven(late: int, encoders_late: int, period: float, body: Robot = CHAIR) ->
     return measuring, speeds
 
 
-@pytest.mark.parametrize("period", [0.02, 0.05, 0.2])
-@pytest.mark.parametrize("late", [0, 1, 4])
-@pytest.mark.parametrize("encoders_late", [0, 2])
+@every_case("period", [0.02, 0.05, 0.2])
+@every_case("late", [0, 1, 4])
+@every_case("encoders_late", [0, 2])
 def test_lateness_of_commands_is_found(late: int, encoders_late: int, period: float) -> None:
     measuring, speeds = driven(late, encoders_late, period)
     assert measuring.ticks == late
@@ -88,8 +89,8 @@ def test_wheels_that_are_blocked_are_believed() -> None:
     assert measuring.speeds == STILL
 
 
-@pytest.mark.parametrize("curve", [0.0, 0.5, 0.95])
-@pytest.mark.parametrize("limit", [None, 0.3, 2.0])
+@every_case("curve", [0.0, 0.5, 0.95])
+@every_case("limit", [None, 0.3, 2.0])
 def test_run_out_is_the_way_of_short_cycles_until_the_body_stands(curve: float, limit: float | None) -> None:
     body = msgspec.structs.replace(CHAIR, acceleration_curve=curve, acceleration_limit=limit)
     short = Motors.of(body, 0.001)

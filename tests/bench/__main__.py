@@ -8,9 +8,12 @@ from pathlib import Path
 from tests.bench import (
     bystanders,
     ciber,
+    crews,
     drivers,
     imports,
     inputs,
+    joins,
+    lab,
     learning,
     loads,
     network,
@@ -18,12 +21,14 @@ from tests.bench import (
     ros,
     tick,
     viewer,
+    worlds,
 )  # fmt: skip
 from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
-    "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+    "tick", "network", "crews", "viewer", "loads", "imports", "inputs", "joins", "ros", "record", "ciber", "drivers",
+    "learning", "worlds",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -35,10 +40,11 @@ def main() -> None:
         "benches",
         nargs="*",
         metavar="BENCH",
-        help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
-        "drivers: those of real chairs; learning: "
-        "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
+        help="tick: the cost of a tick, part by part; network: whole processes; crews: those of many chairs each; "
+        "viewer: a page; loads: loading maps; imports: floors of other programs; inputs: from an input to the motors; "
+        "joins: many at once; ros, record and ciber: gateways; drivers: those of real chairs; learning: steps of "
+        "learning environments; worlds: many small worlds at once; lab: chairs through routers with and without "
+        "rules, 15 minutes; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but lab and "
         "bystanders)",
     )
     parser.add_argument(
@@ -54,9 +60,11 @@ def main() -> None:
     wanted = options.benches or list(DEFAULT)
     rows = []
     if "tick" in wanted:
-        rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
+        rows += tick.bench((1, 10), quick=True) if options.quick else tick.bench()
     if "network" in wanted:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
+    if "crews" in wanted:
+        rows += crews.bench(seconds=1.0, small=True) if options.quick else crews.bench()
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
@@ -65,6 +73,8 @@ def main() -> None:
         rows += imports.bench(side=200) if options.quick else imports.bench()
     if "inputs" in wanted:
         rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
+    if "joins" in wanted:
+        rows += joins.bench((3,)) if options.quick else joins.bench()
     if "ros" in wanted:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:
@@ -75,6 +85,11 @@ def main() -> None:
         rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
+    if "lab" in wanted:
+        short = {"sessions": 2, "ticks": 10, "rounds": 1}
+        rows += lab.bench((2,), ("rules", lab.FLOOD), **short, settle=0.2) if options.quick else lab.bench()
+    if "worlds" in wanted:
+        rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

@@ -1,6 +1,9 @@
 """Many bare chairs in one process, as light as an agent can be: they read the tick and answer at once.
 
-python -m tests.bench.chairs ENDPOINT WORLD CHAIRS SESSIONS
+python -m tests.bench.chairs ENDPOINT WORLD CHAIRS SESSIONS [FOLDER]
+
+With FOLDER, each session has the identity of a student whose file is there, and the names of its chairs begin as his.
+An empty FOLDER gives the names alone.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ import queue
 import sys
 import threading
 import traceback
+from pathlib import Path
 
 import msgspec
 import zenoh
@@ -23,6 +27,23 @@ from intellwheels_schemas.names import new_hex
 from tests.bench.tick import SENSORS
 
 
+def chair(name: str, instance: str) -> Robot:
+    """Return the robot of a chair with eight cones."""
+    return Robot(
+        name=name,
+        kind="wheelchair",
+        instance=instance,
+        length=1.2,
+        width=0.7,
+        center=0.4,
+        top=1.3,
+        top_speed=1.0,
+        track=0.57,
+        acceleration_curve=0.5,
+        proximity=SENSORS,
+    )
+
+
 class Head(msgspec.Struct, rename="pascal"):
     """All that a chair that drives ahead needs of its measures."""
 
@@ -31,32 +52,19 @@ class Head(msgspec.Struct, rename="pascal"):
 
 
 class Chairs:
-    """The chairs of one session."""
+    """The chairs of one session, by their names."""
 
-    def __init__(self, session: zenoh.Session, keys: Keys, numbers: range) -> None:
+    def __init__(self, session: zenoh.Session, keys: Keys, names: list[str]) -> None:
         self._arrived: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
         self._read = msgspec.json.Decoder(Head)
         self._answers: dict[str, tuple[zenoh.Publisher, str]] = {}
         self._held: list[object] = [session]  # else it is closed, and its chairs leave
-        for number in numbers:
-            name = f"a{number:04d}"
+        for name in names:
             key = keys.measures(name)
             self._held.append(session.declare_subscriber(key, self._arrived.put))
             instance = new_hex()
             self._held.append(link.declare_token(session, keys.token(name, "both", instance)))
-            robot = Robot(
-                name=name,
-                kind="wheelchair",
-                instance=instance,
-                length=1.2,
-                width=0.7,
-                center=0.4,
-                top=1.3,
-                top_speed=1.0,
-                track=0.57,
-                acceleration_curve=0.5,
-                proximity=SENSORS,
-            )
+            robot = chair(name, instance)
             answer = link.query(session, keys.join(name), encode(robot), timeout=20.0)[0]
             if not answer.ok:
                 raise SystemExit(answer.data.decode())
@@ -78,11 +86,15 @@ def main() -> None:
     """Join, say so, and answer until standard input ends."""
     address, world, chairs, sessions = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     keys = Keys(world)
+    folder = sys.argv[5] if len(sys.argv) > 5 else None
     share = chairs // sessions
     for number in range(sessions):
-        session = link.open_session(link.Link(connect=(address,)), threading.Event())
+        identity = Path(folder) / f"student{number}.iwid" if folder else None
+        session = link.open_session(link.Link(connect=(address,), identity=identity), threading.Event())
         assert session is not None
-        some = Chairs(session, keys, range(number * share, (number + 1) * share))
+        names = [f"a{k:04d}" if folder is None else f"st{number}-{k - number * share}"
+                 for k in range(number * share, (number + 1) * share)]  # fmt: skip
+        some = Chairs(session, keys, names)
         threading.Thread(target=some.serve, daemon=True).start()
     print("ready", flush=True)
     sys.stdin.read()

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Clock
+from intellwheels_schemas.messages import Clock, Map
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
@@ -66,20 +66,30 @@ def cpu_of(pid: int) -> float:
     return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def measure(server: str, pace: str, chairs: int, sessions: int, seconds: float) -> tuple[float, int, float, float]:
+def measure(
+    server: str,
+    pace: str,
+    chairs: int,
+    sessions: int,
+    seconds: float,
+    *,
+    host: str = "tests.bench.chairs",
+    floor: Map | None = None,
+    more: Sequence[str] = (),
+) -> tuple[float, int, float, float]:
     """Return ticks a second, late ticks, CPU share of the simulator and ticks, over so many seconds."""
     address = endpoint()
     with tempfile.TemporaryDirectory() as folder:
-        floor = Path(folder) / "hospital.xml"
-        floor.write_text(write_file(hospital(1)))
-        words = [server, "--map", str(floor), "--world", WORLD, "--listen", address, "--pace", pace]
+        file = Path(folder) / "hospital.xml"
+        file.write_text(write_file(hospital(1) if floor is None else floor))
+        words = [server, "--map", str(file), "--world", WORLD, "--listen", address, "--pace", pace, *more]
         if pace == "lockstep":
             words += ["--miss", "elastic"]
         names = ",".join(f"a{k:04d}" for k in range(chairs))
         with ExitStack() as stack:
             simulator = stack.enter_context(process(*words, "--expect", names))
             wait_for(simulator, "ready")
-            body_set = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)))
+            body_set = stack.enter_context(process(host, address, WORLD, str(chairs), str(sessions)))
             wait_for(body_set, "ready")
             session = link.open_session(link.Link(connect=(address,)), threading.Event())
             assert session is not None
@@ -101,13 +111,17 @@ def _clock(session: object) -> Clock:
 def bench(*, seconds: float = 60.0, lockstep_seconds: float = 10.0, small: bool = False) -> list[Row]:
     """Return the rows."""
     rows = []
-    for chairs, sessions in ((2, 1),) if small else ((20, 20), (100, 20)):
+    for chairs, sessions in ((2, 1),) if small else ((20, 20), (100, 20), (300, 20), (1000, 20)):
         _, late, cpu, ticks = measure("intellwheels_server", "realtime", chairs, sessions, seconds)
         case = f"{chairs} chairs, {sessions} sessions, 20 Hz"
         rows.append(Row("network", case, "late ticks", 100.0 * late / ticks, "%", "<= 0.1"))
-        rows.append(Row("network", case, "CPU of the simulator", 100.0 * cpu, "% of a core"))
-    for chairs in (1,) if small else (4, 20):
-        goal = {4: ">= 2000", 20: ">= 1000"}.get(chairs, "")
+        goal = {100: "<= 8", 300: "<= 15", 1000: "<= 35"}.get(chairs, "")
+        rows.append(Row("network", case, "CPU of the simulator", 100.0 * cpu, "% of a core", goal))
+        if ticks:
+            per_agent = 1e6 * cpu * seconds / ticks / chairs
+            rows.append(Row("network", case, "CPU of the simulator, each agent and tick", per_agent, "µs"))
+    for chairs in (1,) if small else (1, 4, 20, 100):
+        goal = {4: ">= 2200", 20: ">= 1150", 100: ">= 300"}.get(chairs, "")
         for name, server in (("drop, put again", "intellwheels_server"), ("block", "tests.bench.blocking_server")):
             rate, *_ = measure(server, "lockstep", chairs, chairs, lockstep_seconds)
             rows.append(Row("lockstep", f"{chairs} agents, {name}", "rate", rate, "ticks/s", goal))

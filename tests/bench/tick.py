@@ -13,28 +13,50 @@ import threading
 import time
 from collections.abc import Callable
 
-from intellwheels_maps.hospital import hospital
+from msgspec.structs import replace
+
+from intellwheels_maps.hospital import LENGTH, hospital
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.codec import VERSION, Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Actions, Proximity, Robot
-from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+from intellwheels_schemas.messages import Actions, Grid, Map, Place, Proximity, Robot, Wall
+from intellwheels_server.world import Setup, State, advance, apply, begin
+from intellwheels_server.world.measures_writer import MeasuresWriter
 from intellwheels_server.world.sensors import sense
 from intellwheels_server.world.sensors.kind import View
+from intellwheels_server.world.sensors.proximity import FEWEST_SHARED
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
 SENSORS = tuple(
     Proximity(id=f"s{k}", x=0.6, y=0.0, z=0.4, direction_deg=45.0 * k, cone_deg=30.0, max_range=4.0) for k in range(8)
 )
-GOALS = {1: "<= 10", 10: "<= 2", 100: "<= 1.5", 1000: "<= 2.3"}
+GOALS = {1: "<= 8", 10: "<= 2", 100: "<= 1.5", 1000: "<= 2", 10000: "<= 2.5"}
+BODIES_OF_A_PLAN = 1000
+APART = 10.0
+"""Distance between two hospitals, m."""
 
 
-def hospital_world(bodies: int) -> State:
-    """Return a world with so many bodies at places of the hospital."""
-    floor = hospital(1)
+def hospitals(plans: int) -> Map:
+    """Return a map with so many hospitals side by side, each with a seed of its own; the first is `hospital(1)`."""
+    walls: list[Wall] = []
+    places: list[Place] = []
+    for k in range(plans):
+        one = hospital(1 + k)
+        assert one.grid is not None
+        east = k * (LENGTH + APART)
+        for wall in one.wall:
+            corners = tuple(replace(corner, x=corner.x + east) for corner in wall.corner)
+            walls.append(replace(wall, corner=corners))
+        places += [replace(spot, name=f"h{k}-{spot.name}", x=spot.x + east) for spot in one.grid.position]
+    return Map(format=VERSION, name="hospitals", wall=tuple(walls), grid=Grid(position=tuple(places)))
+
+
+def hospital_world(bodies: int, plans: int = 1) -> State:
+    """Return a world with so many bodies at places of the hospital, or of several side by side."""
+    floor = hospital(1) if plans == 1 else hospitals(plans)
     assert floor.grid is not None
     spots = list(floor.grid.position)
     random.Random(1).shuffle(spots)
@@ -91,7 +113,7 @@ def best(work: Callable[[], object], times: int, rounds: int = 5) -> float:
     return min(found)
 
 
-def bench(sizes: tuple[int, ...] = (1, 10, 100, 1000), *, quick: bool = False) -> list[Row]:
+def bench(sizes: tuple[int, ...] = (1, 10, 100, 1000, 10000), *, quick: bool = False) -> list[Row]:
     """Return the rows, µs a body and tick."""
     rows = []
     for count in sizes:
@@ -101,7 +123,8 @@ def bench(sizes: tuple[int, ...] = (1, 10, 100, 1000), *, quick: bool = False) -
 
 
 def _of(count: int, times: int) -> list[Row]:
-    state = hospital_world(count)
+    plans = -(-count // BODIES_OF_A_PLAN)
+    state = hospital_world(count, plans)
     powers = commands(state)
     for k in range(20):
         state, _ = advance(state, Inputs(actions=powers[k]))
@@ -111,26 +134,39 @@ def _of(count: int, times: int) -> list[Row]:
         held[0], _ = advance(held[0], Inputs(actions=powers[held[0].tick % 20]))
 
     whole = best(move, times)
+
+    def move_by_two() -> None:
+        held[0], _ = advance(held[0], Inputs(actions=powers[held[0].tick % 20]), threads=2)
+
+    shared = best(move_by_two, times) if count >= FEWEST_SHARED else None
     state = held[0]
     view = View(
         state.numbers, state.body_set.bodies.parts, state.body_set.bodies.part_start, state.walls, state.setup.period
     )
     sensing = best(lambda: sense(state.body_set.plan, view, state.tick, state.samples), times)
-    packed = [encode(action) for action in powers[0].values()]
-    decoding = best(lambda: [decode(Actions, data) for data in packed], times)
-    encoding = best(lambda: [encode(measures(state, name)) for name in state.names], max(2, times // 5))
-    xml = best(lambda: [encode(measures(state, name), Encoding.XML) for name in state.names], max(2, times // 20))
-    putting, receiving = _network(state, packed, max(2, times // 5))
-    case = f"{count} bodies"
+    case = f"{count} bodies" if plans == 1 else f"{count} bodies in {plans} hospitals"
     share = 1e6 / count
-    return [
-        Row("tick", case, "receive", receiving * share, "µs/body"),
-        Row("tick", case, "decode", decoding * share, "µs/body"),
+    moving = [
         Row("tick", case, "step", (whole - sensing) * share, "µs/body"),
         Row("tick", case, "sense", sensing * share, "µs/body"),
         Row("tick", case, "step and sense", whole * share, "µs/body", GOALS.get(count, "")),
-        Row("tick", case, "encode JSON", encoding * share, "µs/body"),
-        Row("tick", case, "encode XML", xml * share, "µs/body"),
+    ]
+    if shared is not None:
+        moving.append(Row("tick", case, "step and sense, 2 threads", shared * share, "µs/body"))
+    if plans > 1:  # more agents than a simulator lets in
+        return moving
+    packed = [encode(action) for action in powers[0].values()]
+    decoding = best(lambda: [decode(Actions, data) for data in packed], times)
+    json_writer, xml_writer, names = MeasuresWriter(Encoding.JSON), MeasuresWriter(Encoding.XML), state.names
+    encoding = best(lambda: json_writer.write(state, names), max(2, times // 5))
+    xml = best(lambda: xml_writer.write(state, names), max(2, times // 5))
+    putting, receiving = _network(state, packed, max(2, times // 5))
+    return [
+        Row("tick", case, "receive", receiving * share, "µs/body"),
+        Row("tick", case, "decode", decoding * share, "µs/body", "<= 1"),
+        *moving,
+        Row("tick", case, "encode JSON", encoding * share, "µs/body", "<= 2"),
+        Row("tick", case, "encode XML", xml * share, "µs/body", "<= 5"),
         Row("tick", case, "put", putting * share, "µs/body"),
     ]
 
@@ -160,7 +196,7 @@ def _network(state: State, packed: list[bytes], times: int) -> tuple[float, floa
             publishers = [
                 link.declare(session, keys.measures(f"a{k:04d}"), CHANNELS["measures"]) for k in range(len(packed))
             ]
-            payloads = [encode(measures(state, name)) for name in state.names]
+            payloads = MeasuresWriter(Encoding.JSON).write(state, state.names)
 
             def put() -> None:
                 for publisher, payload in zip(publishers, payloads, strict=True):

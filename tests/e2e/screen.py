@@ -249,7 +249,7 @@ class Screen:
     def hold(self, agent: str) -> None:
         """Open the tab Drive and wait until keys drive an agent: the page's handler comes a moment after the words."""
         self.tab("Drive")
-        self.says(f"Hold the stick or the keys I J K L to drive {agent}")
+        self.says(f"Hold the stick or the keys W A S D to drive {agent}")
         self.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
 
     def drag(self, origin: tuple[float, float, float], target: tuple[float, float, float]) -> None:

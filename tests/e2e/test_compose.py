@@ -59,9 +59,15 @@ def test_cast_of_the_composition_is_that_of_the_scene() -> None:
 
 def test_services_are_those_of_the_documents_and_reachable_from_this_machine_only() -> None:
     services = composition()["services"]
-    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid", "viewer"}
+    scene = {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid", "viewer"}
+    cluster = {name for name, service in services.items() if service.get("profiles") == ["cluster"]}
+    assert (set(services) - cluster, cluster) == (scene, {"scheduler", "worker"})
     ports = [port for service in services.values() for port in service.get("ports", [])]
-    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447", "${BIND:-127.0.0.1}:${VIEW_PORT:-8080}:8080"]
+    assert ports == [
+        "${BIND:-127.0.0.1}:${PORT:-7447}:7447",
+        "${BIND:-127.0.0.1}:${VIEW_PORT:-8080}:8080",
+        "${BIND:-127.0.0.1}:${CLUSTER_PORT:-8786}:8786",
+    ]
     assert all(service["init"] and service["read_only"] for service in services.values())
 
 
@@ -73,7 +79,7 @@ def test_containers_have_no_rights_and_bounds() -> None:
         assert service["restart"] == "unless-stopped"
 
 
-@pytest.mark.parametrize(("lock", "extras"), [("requirements", {"all"}), ("build", set())])
+@pytest.mark.parametrize(("lock", "extras"), [("requirements", {"all", "cluster"}), ("build", set())])
 def test_lock_has_every_requirement_with_hashes_and_no_address(lock: str, extras: set[str]) -> None:
     text = (ROOT / "server" / f"{lock}.lock").read_text()
     assert "://" not in text

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import json
 import math
+import threading
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from intellwheels_agents import minds
+from intellwheels_agents.crew_harness import CrewMember
+from intellwheels_agents.crew_peer import run_crew
+from intellwheels_agents.options import Options
+from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_maps import robot, scene
+from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Entity
+from intellwheels_schemas.names import new_hex
 from intellwheels_server.log.input_log import read_header, read_lines
 from intellwheels_server.world import advance, apply, begin, digest, entities, measures
-from tests.e2e.stage import run
+from tests.e2e.stage import Stage, run
 
 
 def play(folder: Path, *words: str, **environment: str) -> dict[str, Any]:
@@ -73,6 +84,33 @@ def moments(folder: Path, first: dict[str, Any]) -> list[Moment]:
             sees = {reading.id: math.inf if reading.value is None else reading.value for reading in sensors.proximity}
             found.append(Moment(digest(state), {entity.name: entity for entity in entities(state)}, sees))
     return found
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("encoding", list(Encoding))
+def test_cast_in_one_crew_ends_with_the_same_hash(first: dict[str, Any], tmp_path: Path, encoding: Encoding) -> None:
+    instance, members, stop = new_hex(), [], threading.Event()
+    for one in scene("figure6").cast:
+        of_robot, of_mind = split_options({each.name: each.value for each in one.option})
+        source = minds.find(one.mind or "")
+        body = source.equip(equipped(robot(one.robot or ""), of_robot), Options(of_mind))
+        document = joining(body, agent=one.name, role="both", instance=instance, place=one.place, barrier=None)
+        members.append(CrewMember(document, source.make, of_mind))
+    with Stage(tmp_path, "crew") as stage:
+        stage.server("--scene", "figure6", "--seed", str(first["seed"]), "--quit-at-end", ready=False)
+        stage.line("server", "ready", 120.0)
+        where = Link(world="crew", connect=(stage.endpoint,))
+        host = partial(
+            run_crew, "cast", instance, members, where=where, encoding=encoding, retry_for=60.0, stop=stop
+        )  # fmt: skip
+        thread = threading.Thread(target=host, daemon=True)
+        thread.start()
+        try:
+            ended = stage.line("server", "ended", 120.0)
+        finally:
+            stop.set()
+            thread.join(30.0)
+    assert (ended["tick"], ended["hash"]) == (str(first["ticks"]), first["hash"])
 
 
 def test_hash_of_the_result_is_that_of_the_last_step_run_again(first: dict[str, Any], moments: list[Moment]) -> None:

@@ -109,7 +109,8 @@ class Network:
         self.heard = Heard()
         self.simulator.declare_subscriber("iw/v1/main/**", self.heard.store)
         for world in ("main", "other"):
-            for key in ("map", "clock", "event", "body/*", "state/*", "join/*", "leave/*", "ctl/*", "ctl/*/*"):
+            for key in ("map", "clock", "event", "body/*", "state/*", "join/*", "leave/*", "ctl/*", "ctl/*/*",
+                        "crew/*/join", "crew/*/leave"):  # fmt: skip
                 self.simulator.declare_queryable(f"iw/v1/{world}/{key}", self._reply)
         self.sessions = {name: self.session(name) for name in (*ROLES, STRANGER)}
         # From here on the router knows what the simulator declared.

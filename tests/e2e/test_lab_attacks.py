@@ -36,6 +36,8 @@ from tests.e2e.stage import DEADLINE, JSON, Stage, free_port
 pytestmark = pytest.mark.process
 
 OWN, REAL, LAST = "st1-a", "real1", 2**53 - 1
+CREW, MEMBER, OTHER_CREW = "st1-k", "st1-k1", "st2-x"
+"""A crew of student1 with two agents, and the name of one that a stranger may have."""
 MARK = "dead000000000000"
 """In every payload of a stranger, as its Run or Session."""
 WAYS = ("password", "certificate", "router")
@@ -77,6 +79,7 @@ class Attack(NamedTuple):
 _MOTORS = {"Session": MARK, "LeftMotor": 1.0, "RightMotor": -1.0}
 _POSE = {"Session": MARK, "X": 3.0, "Y": 3.0, "Heading": 0.0}
 _RUN = {"Run": MARK, "Tick": LAST, "Time": 1.0}
+_ACTS = {"Crew": CREW, "Actions": [{"Agent": MEMBER} | _MOTORS]}
 ATTACKS: dict[str, Attack] = {
     "drive another's chair": Attack("puts", f"in/{OWN}/actions", _MOTORS, "student1"),
     "drive a real chair": Attack("puts", f"in/{REAL}/actions", _MOTORS, "mind1"),
@@ -89,6 +92,18 @@ ATTACKS: dict[str, Attack] = {
     "make it leave": Attack("asks", f"leave/{OWN}", {}, "student1"),
     "keep its token after its death": Attack("appears", f"in/{OWN}/alive/both/{MARK}", {}, "student1"),
     "appear as a bridge": Attack("appears", f"in/{REAL}/alive/body/{MARK}", {}, "bridge1"),
+    "act for a crew": Attack("puts", f"crew/{CREW}/actions", _ACTS, "student1"),
+    "act for another's agent with a foreign crew": Attack("puts", f"crew/{OWN}/actions", _ACTS, "student1"),
+    "join with a crew": Attack("asks", f"crew/{CREW}/join", {"Crew": CREW, "Instance": MARK}, "student1"),
+    "make a crew leave": Attack("asks", f"crew/{CREW}/leave", {"Crew": CREW}, "student1"),
+    "lend its chair to a crew": Attack("appears", f"in/{OWN}/alive/both/{MARK}/{OTHER_CREW}", {}, "student1"),
+    "keep the token of a crew": Attack("appears", f"in/{MEMBER}/alive/both/{MARK}/{CREW}", {}, "student1"),
+    "read the sessions of a crew": Attack("reads", f"crew/{CREW}/actions", {}, "teacher"),
+    "make a crew deaf": Attack("puts", f"crew/{CREW}/measures", {"Crew": CREW, "Measures": [_RUN | {"Agent": MEMBER}]}),
+    "say that a crew was deleted": Attack(
+        "puts", f"crew/{CREW}/error", _RUN | {"Code": "deleted", "Text": "deleted", "Agent": MEMBER}
+    ),
+    "answer a crew": Attack("answers", "crew/*/join"),
     "report its pose": Attack("puts", f"in/{REAL}/pose", _POSE, "bridge1"),
     "give its motors power": Attack("puts", f"out/{REAL}/power", _RUN | {"LeftMotor": 1.0, "RightMotor": -1.0}),
     "read its powers": Attack("reads", f"out/{REAL}/power", {}, "bridge1"),
@@ -136,14 +151,15 @@ class Room:
         spin = ("--option", "left=0.2", "--option", "right=-0.2")
         self.start("chair", "intellwheels_agents", "student1", "drive", "--name", OWN, *spin)
         self.start("bridge", "intellwheels_agents.bridge", "bridge1", "serial", "--port", port, "--name", REAL)
-        for child in ("chair", "bridge"):
+        self.start("crew", "intellwheels_agents", "student1", "drive", "--count", "2", "--name", CREW, *spin)
+        for child in ("chair", "bridge", "crew"):
             stage.line(child, "joined")
         self.teacher = self.session("teacher", "certificate")
         self.heard: deque[tuple[str, bytes]] = deque(maxlen=20_000)
         # The recorder may read these, and no wider keys.
         for key in (
             "in/*/actions", "in/*/say", "in/*/pose", "user/*", "out/*/measures", "out/*/power", "out/*/error",
-            "state/*", "clock", "event", "map", "body/*",
+            "state/*", "clock", "event", "map", "body/*", "crew/*/actions", "crew/*/measures", "crew/*/error",
         ):  # fmt: skip
             # Called at once, so that whatever came before the answer to a query has been heard when it is there.
             hear: Any = zenoh.handlers.Callback(self._hear, indirect=False)
@@ -230,9 +246,9 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Room]:
         yield found
         # Nobody noticed anything: the same run, the same processes, motors that never started.
         assert {json.loads(data)["Run"] for key, data in _later(found, "/clock")} == runs
-        assert {"router", "server", "chair", "bridge", "firmware"} <= {*stage.running}
+        assert {"router", "server", "chair", "bridge", "firmware", "crew"} <= {*stage.running}
         assert "moving" not in stage.log("firmware")
-        for child in ("chair", "bridge"):
+        for child in ("chair", "bridge", "crew"):
             assert "dropped message" not in stage.log(child)
 
 
@@ -295,7 +311,7 @@ def _appears(room: Room, session: zenoh.Session, attack: Attack, settle: Callabl
 def _answers(room: Room, session: zenoh.Session, attack: Attack, settle: Callable[[], None]) -> bool:
     queryable: Any = session.declare_queryable(f"iw/v1/main/{attack.key}", _answer)
     settle()
-    key = "join/st1-z" if "join" in attack.key else "clock"
+    key = attack.key.replace("*", "st1-z") if "join" in attack.key else "clock"
     answers = link.query(room.student, f"iw/v1/main/{key}", timeout=DEADLINE)
     queryable.undeclare()
     return any(answer.data == MARK.encode() for answer in answers)
@@ -321,6 +337,40 @@ def test_who_may_does_the_same(room: Room, attack: str) -> None:
     assert _DOES[case.does](room, session, case, lambda: room.settle(session))
     if attack in ("ask for pause", "ask for step", "ask for seek", "ask for restore"):
         assert link.query(room.teacher, "iw/v1/main/ctl/resume", b"{}")[0].ok
+
+
+@pytest.mark.parametrize("way", ["password", "certificate"])
+def test_crew_of_a_stranger_gets_no_agent_of_others(room: Room, way: str) -> None:
+    session, own = room.sessions["agent", way], f"{OTHER_CREW}-{way}"
+    agents = [MEMBER, OWN, "st1-z", own]
+    tokens: list[Any] = [
+        session.liveliness().declare_token(f"iw/v1/main/in/{agent}/alive/both/{MARK}/{OTHER_CREW}") for agent in agents
+    ]
+    robots = [{"Name": agent, "Length": 0.4, "Width": 0.4, "TopSpeed": 1.0} for agent in agents]
+    robots = [robot | {"Position": {"X": 3.0, "Y": 6.5, "Heading": 0.0}} for robot in robots]
+    join = {"Crew": OTHER_CREW, "Instance": MARK, "Robot": robots}
+    (answer,) = link.query(session, f"iw/v1/main/crew/{OTHER_CREW}/join", json.dumps(join).encode(), timeout=DEADLINE)
+    reply = json.loads(answer.data)
+    assert {one["Agent"]: one["Code"] for one in reply["Refused"]} == dict.fromkeys(agents[:3], "no-token")
+    (joined,) = reply["Joined"]
+    assert joined["Agent"] == own
+    # Its session is of no use for other agents, and theirs are of none in its crew.
+    room.heard.clear()
+    acts = {
+        "Crew": OTHER_CREW,
+        "Actions": [{"Agent": a, "Session": joined["Session"], "LeftMotor": 0.0} for a in agents],
+    }
+    session.put(f"iw/v1/main/crew/{OTHER_CREW}/actions", json.dumps(acts).encode(), encoding=JSON)
+    room.settle(session)
+    room.ticks(2)
+    errors = [json.loads(data) for key, data in list(room.heard) if key.endswith("/error")]
+    assert {(error.get("Agent"), error["Code"]) for error in errors} == {(agent, "not-joined") for agent in agents[:3]}
+    assert {key.split("/")[-2] for key, _ in list(room.heard) if key.endswith("/error")} == {OTHER_CREW}
+    leave = {"Crew": OTHER_CREW, "Leave": [{"Agent": own, "Session": joined["Session"]}]}
+    assert link.query(session, f"iw/v1/main/crew/{OTHER_CREW}/leave", json.dumps(leave).encode())[0].ok
+    for token in tokens:
+        token.undeclare()
+    room.settle(session)
 
 
 @pytest.mark.parametrize("way", ["password", "certificate"])
@@ -370,6 +420,37 @@ def test_long_messages_and_floods_end_at_the_router(room: Room) -> None:
     # Another student's chair goes on.
     assert _later(room, f"in/{OWN}/actions")
     publisher.undeclare()
+
+
+def test_flood_of_queries_and_tokens_leaves_others_their_ticks_and_answers(room: Room) -> None:
+    viewer, agent = room.sessions["viewer", "password"], room.sessions["agent", "password"]
+    tokens: list[Any] = []
+    ended = itertools.count(1)
+    over, rounds, keys = threading.Event(), 200, ("map", "clock", "event", "body/*", "state/*")
+
+    def on_end() -> None:
+        if next(ended) == rounds * len(keys):
+            over.set()
+
+    for number in range(rounds):
+        for key in keys:
+            done: Any = zenoh.handlers.Callback(lambda _reply: None, on_end)
+            viewer.get(f"iw/v1/main/{key}", done, timeout=DEADLINE)
+        tokens += [
+            agent.liveliness().declare_token(f"iw/v1/main/in/st2-a/alive/both/{number:08x}{more:08x}")
+            for more in range(5)
+        ]
+    # Meanwhile others are answered, and their chairs go on.
+    assert link.query(room.teacher, "iw/v1/main/ctl/resume", b"{}", timeout=DEADLINE)[0].ok
+    room.ticks(5)
+    assert _later(room, f"in/{OWN}/actions")
+    words = ("drive", "--name", "st1-late")
+    room.start("late", "intellwheels_agents", "student1", *words)
+    room.stage.line("late", "joined")
+    assert over.wait(DEADLINE), "each query has an end"
+    for token in tokens:
+        token.undeclare()
+    room.stage.end(["late"])
 
 
 def test_no_secret_is_in_a_log_a_command_line_or_an_environment(room: Room) -> None:

@@ -28,8 +28,8 @@ from tests.viewer.panels.board import CHROMIUM, browser
 pytestmark = pytest.mark.browser
 
 PLACES = {"chair1": (1.2, 2.6, 0.0), "chair2": (7.6, 6.8, math.pi)}
-HIDDEN = ("/wedges", "/labels/chair1")
-"""What one of two browsers hides: a layer, and a thing of another."""
+HIDDEN = ("/trails", "/own/labels/chair1")
+"""What one of two browsers hides: a layer of all, and a thing of another, which each browser has for itself."""
 HOME = 1e-6
 """Metres by which a body that was put back may be elsewhere."""
 CONNECTED = 40.0
@@ -180,7 +180,7 @@ def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
     point = (11.5, 4.3)  # in front of in-left; the open leaf is on the other side
 
     def wedges() -> list[tuple[float, ...]] | None:
-        found = [each for each in screen.instances("^/wedges/fan-30") if each[1] == pytest.approx(4.3, abs=0.01)]
+        found = [each for each in screen.instances("^/own/wedges/fan-30") if each[1] == pytest.approx(4.3, abs=0.01)]
         return found if len(found) == len(frame) else None
 
     def placed(found: list[tuple[float, ...]]) -> bool:
@@ -189,6 +189,7 @@ def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
             for one, other in zip(found, frame, strict=True)
         )
 
+    screen.select("door")
     assert placed(screen.wait(wedges, "the wedges of the door"))
     before = screen.camera()
     screen.page.keyboard.press("p")
@@ -217,7 +218,7 @@ def test_two_browsers_look_each_in_its_own_way(
         other.page.keyboard.press("p")
         other.wait(lambda: abs(other.camera()[1] - free[1]) > 10 or None, "the plan's camera")
         other.tab("Layers")
-        for layer in ("Sensors", "Names, speech"):
+        for layer in ("Trails", "Names, speech"):
             other.page.get_by_label(layer, exact=True).uncheck()
 
         def visible(one: Screen, node: str) -> bool:
@@ -242,7 +243,9 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
     screen.select("chair2")
     # The tab Drive was not opened: this page shows the agents.
     screen.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
-    for key in "ijk":
+    screen.rest()
+    camera = screen.camera()
+    for key in ("i", "a", "ArrowDown"):
         screen.page.keyboard.down(key)
         moves(screen, peer, "chair2")
         screen.page.keyboard.up(key)
@@ -253,6 +256,41 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
     stands(screen, peer, "chair2")
     screen.page.keyboard.up("l")
     assert at(peer, "chair1") == other
+    assert screen.camera() == camera
+
+
+def test_a_finger_on_a_phone_drives_until_it_is_lifted_and_the_bar_pauses(
+    world: tuple[Theatre, str], peer: Peer, chromium: Any
+) -> None:
+    theatre, url = world
+    with theatre.screen(chromium, width=390, height=844) as phone:
+        phone.open(url)
+        page, touch = phone.page, phone.page.context.new_cdp_session(phone.page)
+        bar = page.locator("#iw-bar").bounding_box()
+        assert bar is not None
+        assert (bar["y"] + bar["height"], bar["width"]) == (844, 390)
+        page.locator("#iw-bar [data-tab=Agents]").click()
+        page.locator("tr[data-agent=chair2]").dispatch_event("pointerdown", {"button": 0, "bubbles": True})
+        page.locator("#iw-bar [data-tab=Drive]").click()
+        page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
+        stick = page.locator("#iw-stick")
+        stick.scroll_into_view_if_needed()
+        box = stick.bounding_box()
+        assert box is not None
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+        def finger(kind: str, *points: tuple[float, float]) -> None:
+            spots = [{"x": a, "y": b} for a, b in points]
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
+
+        finger("touchStart", (x, y))
+        finger("touchMove", (x, y - 25))
+        moves(phone, peer, "chair2")
+        finger("touchEnd")
+        stands(phone, peer, "chair2")
+        for state in ("paused", "running"):
+            page.locator("#iw-bar [data-iw=pause]").click()
+            phone.wait(lambda state=state: peer.clock()["State"] == state or None, f"{state} run")  # type: ignore[misc]
 
 
 def test_a_chair_clicked_in_the_scene_drives_and_stops_when_the_page_is_closed(screen: Screen, peer: Peer) -> None:

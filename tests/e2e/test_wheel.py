@@ -26,7 +26,10 @@ PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents"
 
 
 def _without_checkout() -> dict[str, str]:
-    return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    """Return an environment without the checkout. What is installed is compiled when it is imported, and no more."""
+    # pip reads the variable of an option that begins with `no` the other way round.
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    return own | {"PIP_NO_COMPILE": "no"}
 
 
 def finished(*command: str, cwd: Path, timeout: float = 300.0) -> str:

@@ -12,6 +12,7 @@ import pytest
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_schemas.link import START_ONE
+from tests.every_case import every_case
 from tests.experiments.scenes import write_scene
 
 DEADLINE = 120.0
@@ -23,7 +24,7 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
     assert "figure6" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "error"),
     [
         (["--row", "x"], "--row: expected with --seeds or --branch, got a single run"),
@@ -41,6 +42,7 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--branch", "/dev/null", "--seeds", "2"], "--seeds: expected without --branch"),
         (["--branch", "/dev/null", "--row", "a", "--row", "b"], "--row: expected one row with --branch"),
         (["--view-port", "9000"], "--view-port: expected with --view, got none"),
+        (["--dark"], "--dark: expected with --view, got none"),
         (["--speed", "5"], "--speed: expected with --pace realtime, got pace lockstep"),
         (
             ["--view", "--view-port", "0", "--pace", "free", "--speed", "5"],

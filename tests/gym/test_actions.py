@@ -9,6 +9,7 @@ import pytest
 
 from intellwheels_gym.actions import ActionSet
 from intellwheels_maps import robot
+from tests.every_case import every_case
 
 CHAIR = robot("rear-wheel")
 
@@ -33,7 +34,7 @@ def test_words_drive_and_turn_on_the_spot() -> None:
     assert actions.space().contains(np.int64(2))
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("kind", "action", "text"),
     [
         ("velocity", [np.nan, 0.0], r"expected v in \[-1, 1\], got nan"),

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from intellwheels_gym.chair_env import ChairEnv, chair_vector
 from intellwheels_gym.rewards import End
 from intellwheels_gym.task import load_task
+from tests.every_case import every_case
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_seeds_follow_from_the_first() -> None:
     assert len(set(seeds[0])) == 3
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("settings", "text"),
     [
         ({"render_mode": "human"}, "render_mode: expected None, got 'human'"),
@@ -119,6 +120,40 @@ def test_many_worlds_begin_again_as_the_mode_says(mode: AutoresetMode) -> None:
     *_, truncated, infos = worlds.step(still)
     assert infos["tick"].tolist() == ([0, 0] if mode is AutoresetMode.NEXT_STEP else [1, 1])
     worlds.close()
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize("scene", ["door", "table1"])
+def test_worlds_advanced_together_give_what_each_gives_alone(scene: str, mode: AutoresetMode) -> None:
+    settings: dict[str, Any] = {"seconds": 1.0, "action": "powers", "ticks": 2}
+    together = chair_vector(scene, 3, autoreset=mode, **settings)
+    alone = SyncVectorEnv([lambda: ChairEnv(scene, **settings)] * 3, autoreset_mode=mode)
+    draw = np.random.default_rng(1)
+    found: Any = together.reset(seed=8)
+    wanted: Any = alone.reset(seed=8)
+    for _ in range(25):
+        assert plain(found) == plain(wanted)
+        actions = draw.uniform(0.2, 1.0, (3, 2)).astype(np.float32)
+        found, wanted = together.step(actions), alone.step(actions)
+    assert plain(found) == plain(wanted)
+
+
+def plain(found: Any) -> Any:
+    """Return what an environment gives as lists and dictionaries, which can be compared."""
+    if isinstance(found, np.ndarray):
+        return [plain(one) for one in found.tolist()]
+    if isinstance(found, dict):
+        return {name: plain(one) for name, one in found.items()}
+    return [plain(one) for one in found] if isinstance(found, tuple) else found
+
+
+def test_wrong_action_of_one_world_moves_none() -> None:
+    worlds = chair_vector("door", 2, action="powers")
+    worlds.reset(seed=1)
+    with pytest.raises(ValueError, match="expected right in"):
+        worlds.step(np.array([[0.5, 0.5], [0.5, 2.0]]))
+    *_, infos = worlds.step(np.zeros((2, 2), dtype=np.float32))
+    assert infos["tick"].tolist() == [1, 1]
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,13 @@ from intellwheels_gym.scene_world import SceneWorld
 from intellwheels_gym.task import load_task
 from intellwheels_maps import names, scene
 from tests.agents.arena import Arena
+from tests.every_case import every_case
 from tests.gym.test_task import made
 
 POWERS = (0.5, 0.5)
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_every_shipped_scene_begins_and_moves(name: str) -> None:
     world = SceneWorld(made(name))
     world.reset("3")

@@ -10,6 +10,7 @@ import pytest
 from intellwheels_gym.task import Task, load_task
 from intellwheels_maps import names
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 WITHOUT_GOAL: dict[str, dict[str, Any]] = {
     "lab": {"learners": ["real1"], "goals": {"real1": "goal1"}},
@@ -22,7 +23,7 @@ def made(name: str) -> Task:
     return load_task(name, **WITHOUT_GOAL.get(name, {}))
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_every_shipped_scene_is_a_task(name: str) -> None:
     task = made(name)
     assert task.goals
@@ -51,7 +52,7 @@ def test_row_of_an_experiment_is_chosen_by_name() -> None:
     assert options["door"]["swing"] == "left"
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("arguments", "text"),
     [
         ({"of": "dor"}, "got 'dor'; did you mean 'door'"),

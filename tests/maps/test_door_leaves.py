@@ -13,6 +13,7 @@ from intellwheels_maps.check import check_map, check_robot
 from intellwheels_maps.door_leaves import Leaves, door_leaves
 from intellwheels_maps.starts import boxes_at
 from intellwheels_schemas.messages import Corner, Door, DoorKind, Doorway, Map, Side, Wall
+from tests.every_case import every_case
 
 MODEL = robot("door")
 
@@ -43,9 +44,9 @@ def opened(leaves: Leaves, number: int = 0) -> tuple[float, float]:
     return place.x + back * math.cos(heading), place.y + back * math.sin(heading)
 
 
-@pytest.mark.parametrize("heading", [0.0, 180.0])
-@pytest.mark.parametrize("side", ["left", "right"])
-@pytest.mark.parametrize("swing", [90.0, -90.0])
+@every_case("heading", [0.0, 180.0])
+@every_case("side", ["left", "right"])
+@every_case("swing", [90.0, -90.0])
 def test_a_hinged_leaf_opens_to_its_side(heading: float, side: Side, swing: float) -> None:
     leaves = door_leaves(corridor(Door(side=side, swing_deg=swing), heading=heading), MODEL)
     x, y = opened(leaves)

@@ -2,16 +2,15 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-import pytest
-
 from intellwheels_maps import floor, names
 from intellwheels_maps.draw import draw
 from intellwheels_schemas.messages import Corner, Grid, Map, Place, Route, Wall, Zone
+from tests.every_case import every_case
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_plan_shows_every_wall_obstacle_doorway_zone_and_place(name: str) -> None:
     document = floor(name)
     assert document.grid

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from intellwheels_maps import floor, names, robot
 from intellwheels_schemas.messages import Map, Place, Robot
+from tests.every_case import every_case
 
 FLOORS = names("floors")
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
@@ -86,7 +87,7 @@ def clear_width(document: Map, name: str) -> float:
     return float(pieces[0].length)
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_floor_has_a_title_and_a_source(name: str) -> None:
     document = floor(name)
     assert document.name == name
@@ -98,12 +99,12 @@ def test_all_expected_floors_are_there() -> None:
     assert FLOORS == ["corner", "corridor15m", "crossing", "door", "lounge", "room", "square", "ward"]
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_every_wall_is_two_and_a_half_metres_high(name: str) -> None:
     assert {(wall.height, wall.bottom) for wall in floor(name).wall} == {(2.5, 0.0)}
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_coordinates_have_few_digits(name: str) -> None:
     document = floor(name)
     corners = [corner for wall in document.wall for corner in wall.corner]
@@ -114,8 +115,8 @@ def test_coordinates_have_few_digits(name: str) -> None:
         assert round(corner.y, 3) == corner.y
 
 
-@pytest.mark.parametrize("chair", CHAIRS)
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("chair", CHAIRS)
+@every_case("name", FLOORS)
 def test_every_start_place_is_free_for_every_chair(name: str, chair: str) -> None:
     document = floor(name)
     body, around = robot(chair), functools.cache(functools.partial(solids, document))
@@ -124,7 +125,7 @@ def test_every_start_place_is_free_for_every_chair(name: str, chair: str) -> Non
             assert shape.distance(around(bottom, top)) > 0.01, start.name
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_start_places_do_not_overlap_one_another(name: str) -> None:
     starts = [
         shape for start in places(floor(name), "wheelchair") for shape, _, _ in plan(robot("rear-wheel"), start)[:1]
@@ -133,7 +134,7 @@ def test_start_places_do_not_overlap_one_another(name: str) -> None:
     assert shapely.union_all(starts).area == pytest.approx(area, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_every_goal_is_free_for_a_chair_that_arrives_with_its_heading(name: str) -> None:
     document = floor(name)
     body, around = robot("intellwheels"), functools.cache(functools.partial(solids, document))
@@ -222,7 +223,7 @@ def test_doors_of_the_ward_are_clear_between_ninety_and_a_hundred_and_fifteen() 
     assert max(widths.values()) == pytest.approx(1.15)
 
 
-@pytest.mark.parametrize("name", FLOORS)
+@every_case("name", FLOORS)
 def test_every_doorway_states_its_clear_width(name: str) -> None:
     document = floor(name)
     for doorway in document.doorway:

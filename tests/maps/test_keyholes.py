@@ -7,6 +7,7 @@ import pytest
 
 from intellwheels_maps.crossing import Point
 from intellwheels_maps.keyholes import find_fault
+from tests.every_case import every_case
 
 SQUARE: list[Point] = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
 HOLE: list[Point] = [(2.0, 2.0), (2.0, 8.0), (8.0, 8.0), (8.0, 2.0)]
@@ -57,7 +58,7 @@ def test_ring_round_holes_has_no_fault(name: str) -> None:
     assert find_fault(KEYHOLES[name]) is None
 
 
-@pytest.mark.parametrize("name", NOT_POLYGONS)
+@every_case("name", NOT_POLYGONS)
 def test_ring_that_touches_itself_in_another_way_is_found(name: str) -> None:
     found = find_fault(NOT_POLYGONS[name])
     assert found is not None

@@ -8,6 +8,7 @@ from intellwheels_maps import floor, names, robot, scene
 from intellwheels_maps.importers import ENDINGS
 from intellwheels_maps.library import folder_of, imported, is_foreign, is_path
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 MAP = """<Map Format="iw.v1" Name="mine">
   <Wall Thickness="0.1"><Corner X="0.0" Y="0.0"/><Corner X="4.0" Y="0.0"/></Wall>
@@ -36,7 +37,7 @@ def test_names_are_sorted_and_have_no_ending() -> None:
         assert not any("." in name for name in known)
 
 
-@pytest.mark.parametrize(
+@every_case(
     "text",
     [
         "ward.xml",
@@ -70,17 +71,17 @@ def test_unknown_shelf_is_an_error() -> None:
         names("cupboards")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_every_shipped_floor_loads(name: str) -> None:
     assert floor(name).name == name
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_every_shipped_robot_loads(name: str) -> None:
     assert robot(name).format == "iw.v1"
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_every_shipped_scene_loads(name: str) -> None:
     assert scene(name).name == name
 

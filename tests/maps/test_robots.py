@@ -9,6 +9,7 @@ from shapely.geometry import Point, box
 
 from intellwheels_maps import names, robot
 from intellwheels_schemas.sonar_devices import DEVICES
+from tests.every_case import every_case
 
 CHAIRS = {
     "rear-wheel": (1.10, 0.62, 0.227, 0.905),
@@ -82,7 +83,7 @@ def test_acceleration_curves_of_the_chairs_differ() -> None:
     assert len({robot(name).acceleration_curve for name in CHAIRS}) == len(CHAIRS)
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_shipped_robot_has_no_noise_of_its_own(name: str) -> None:
     """Noise is set by scenes, so that tests of the motion can use the same robots."""
     document = robot(name)

@@ -14,10 +14,11 @@ from intellwheels_maps import floor, names
 from intellwheels_maps.ros_export import export_ros
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Corner, Map, SiteOffset, Wall
+from tests.every_case import every_case
 from tests.maps.importers.drawn_floors import area_of, drawn, read, solid_of, thickest, write_ros
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_an_exported_map_that_is_imported_differs_by_half_a_cell(name: str) -> None:
     document = floor(name)
     files = export_ros(document, 0.05, "m.pgm")
@@ -27,7 +28,7 @@ def test_an_exported_map_that_is_imported_differs_by_half_a_cell(name: str) -> N
     assert thickest(difference, 0.05) <= 0.025 + 0.005 + 1e-9
 
 
-@pytest.mark.parametrize("seed", range(8))
+@every_case("seed", range(8))
 def test_a_map_of_cells_gets_the_same_cells_again(seed: int) -> None:
     plain = drawn(seed)
     plain.turn = 0.0

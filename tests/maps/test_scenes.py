@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
 from shapely.geometry import LineString, box
 
 from intellwheels_maps import floor, names, robot, scene
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_scene_names_existing_floors_and_robots(name: str) -> None:
     document = scene(name)
     assert document.name == name

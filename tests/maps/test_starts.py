@@ -8,6 +8,7 @@ from intellwheels_maps import names, robot, scene
 from intellwheels_maps.starts import SLACK, check_starts
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Cast, Corner, Grid, Map, Obstacle, Part, Place, Robot, Scene, Wall
+from tests.every_case import every_case
 
 BOX = Robot(part=(Part(x=0.0, y=0.0, length=1.0, width=0.5, bottom=0.0, top=1.0),))
 SHELF = Robot(part=(Part(x=0.0, y=0.0, length=1.0, width=0.5, bottom=1.2, top=1.5),))
@@ -52,7 +53,7 @@ def test_a_body_in_a_wall_or_an_obstacle_is_found() -> None:
     assert found(at("p", 4.0, 4.0), robots=(SHELF,), obstacle=(bed,)) == []
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_nobody_in_an_included_scene_overlaps(name: str) -> None:
     assert scene(name).cast
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import pytest
-
 from intellwheels_maps import floor, names, robot, scene
 from intellwheels_maps.turning import TurningCheck, narrow_places, narrow_starts
 from intellwheels_schemas.messages import Cast, Corner, Grid, Map, Obstacle, Part, Place, Robot, Scene, Wall
+from tests.every_case import every_case
 
 CHAIRS = {name: body for name in names("robots") if (body := robot(name)).kind == "wheelchair"}
 PLATE = Part(x=0.0, y=0.0, length=2.0, width=0.5, bottom=1.0, top=1.2)
@@ -74,7 +73,7 @@ def test_no_place_of_the_ward_is_too_narrow_for_an_included_chair() -> None:
     assert narrow_places(floor("ward"), CHAIRS) == []
 
 
-@pytest.mark.parametrize("name", names("scenes"))
+@every_case("name", names("scenes"))
 def test_nobody_in_an_included_scene_starts_where_it_cannot_turn(name: str) -> None:
     chosen = scene(name)
     bodies = {cast.name: robot(cast.robot) for cast in chosen.cast if cast.robot}

@@ -15,17 +15,16 @@ def allowed(may: May, flow: str, message: str) -> set[str]:
 
 def test_no_key_of_the_contract_is_forgotten() -> None:
     assert list(ACCESS) == list(CHANNELS)
-    assert len(ACCESS) == 21
+    assert len(ACCESS) == 25
 
 
-def test_every_key_has_somebody_who_writes_and_somebody_who_reads_except_those_of_crews() -> None:
+def test_every_key_has_somebody_who_writes_and_somebody_who_reads() -> None:
     for name, roles in ACCESS.items():
         kinds = set(roles.values())
         assert set(roles) <= set(LAB_ROLES)
         assert "simulator" in roles
-        if not name.startswith("crew"):
-            assert kinds & {"writes", "both"}, name
-            assert kinds & {"reads", "both"}, name
+        assert kinds & {"writes", "both"}, name
+        assert kinds & {"reads", "both"}, name
 
 
 def test_simulator_may_do_everything_in_its_world_and_nothing_elsewhere() -> None:
@@ -36,10 +35,12 @@ def test_simulator_may_do_everything_in_its_world_and_nothing_elsewhere() -> Non
 def test_mind_speaks_and_hears_in_its_own_name_only() -> None:
     may = May(role="mind", agents=("st1-*", "lab1"))
     assert allowed(may, "ingress", "put") == {
-        f"iw/v1/main/in/{agent}/{kind}" for agent in ("st1-$*", "lab1") for kind in ("actions", "say")
+        f"iw/v1/main/{key}"
+        for agent in ("st1-$*", "lab1")
+        for key in (f"in/{agent}/actions", f"in/{agent}/say", f"crew/{agent}/actions")
     }
     assert allowed(may, "ingress", "liveliness_token") == {
-        f"iw/v1/main/in/{agent}/alive/mind/*" for agent in ("st1-$*", "lab1")
+        f"iw/v1/main/in/{agent}/alive/mind/{rest}" for agent in ("st1-$*", "lab1") for rest in ("*", "*/*")
     }
     assert "iw/v1/main/out/lab1/measures" in allowed(may, "egress", "put")
     assert "iw/v1/main/out/lab1/power" not in allowed(may, "egress", "put")

@@ -26,6 +26,7 @@ from intellwheels_schemas.file_records import (
     Verdict,
 )
 from intellwheels_schemas.messages import Actions, Pose, Position, UserInput
+from tests.every_case import every_case
 from tests.server.worlds import RUN, cart
 
 CHANGES: tuple[Change, ...] = (
@@ -52,7 +53,7 @@ def test_every_change_is_tried_here() -> None:
     assert {type(change) for change in CHANGES} == set(get_args(Change))
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=[type(change).__name__ for change in CHANGES])
+@every_case("change", CHANGES, ids=[type(change).__name__ for change in CHANGES])
 def test_a_change_is_the_same_after_the_log(change: Change) -> None:
     assert again(Inputs(changes=(change,))).changes == (change,)
 

@@ -30,6 +30,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_schemas.shapes import Form, Member, Scalar, shape_of
 from intellwheels_schemas.vectors import GROWN, NAMES, REFUSED, RUN, VALID, class_of, encoding_of_file
+from tests.every_case import every_case
 
 JSON, XML = Encoding.JSON, Encoding.XML
 OURS = "c0ffee0012345678"
@@ -164,8 +165,8 @@ def test_spoilt_documents_end_in_a_message_or_a_wire_error(data: st.DataObject) 
 # ---------------------------------------------------------------- vectors
 
 
-@pytest.mark.parametrize("name", VALID)
-@pytest.mark.parametrize("encoding", [JSON, XML])
+@every_case("name", VALID)
+@every_case("encoding", [JSON, XML])
 def test_vector_is_read_and_written_again_to_the_byte(name: str, encoding: Encoding) -> None:
     data = encode(VALID[name], encoding)
     message = decode(class_of(name), data, encoding)
@@ -174,7 +175,7 @@ def test_vector_is_read_and_written_again_to_the_byte(name: str, encoding: Encod
     assert decode(class_of(name), data, encoding, strict=False) == message
 
 
-@pytest.mark.parametrize("wrong", REFUSED, ids=lambda wrong: wrong.name)
+@every_case("wrong", REFUSED, ids=lambda wrong: wrong.name)
 def test_wrong_document_is_refused_with_place_and_code(wrong: Any) -> None:
     error = refusal(class_of(wrong.name), wrong.data, encoding_of_file(wrong.name))
     assert (error.code, error.where) == (wrong.code, wrong.where)
@@ -195,7 +196,7 @@ def test_there_are_at_least_fifty_wrong_documents() -> None:
 # ---------------------------------------------------------------- words of errors
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("cls", "data", "text"),
     [
         (Actions, b'{%s,"LeftMotor":"fast"}' % SESSION, "Actions.LeftMotor: expected a number in [-1, 1], got 'fast'"),
@@ -266,7 +267,7 @@ def test_encoding_is_obeyed_and_the_first_byte_decides_where_none_is_said(
     assert encoding_of(encoding, data) is found
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("encoding", "data", "code"),
     [
         ("application/json;iw.v2", b"{}", "version"),

@@ -22,6 +22,7 @@ from intellwheels_schemas.command_parser import (
     whole,
 )
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 
 def parser() -> CommandParser:
@@ -35,7 +36,7 @@ def parser() -> CommandParser:
     return made
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "text"),
     [
         ([], "SCENE: expected a value, got none"),
@@ -87,7 +88,7 @@ def test_the_option_is_named_before_the_text_of_an_error() -> None:
         raise WireError("value", "--map: once", "--map")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("kind", "good", "bad", "expected"),
     [
         (number("a number"), ["1", "-2.5", "1e3"], ["", "x", "nan", "inf", "-inf", "1e400", "1,5"], "a number"),

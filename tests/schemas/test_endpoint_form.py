@@ -15,6 +15,7 @@ from intellwheels_schemas.endpoint_form import (
     zenoh_reason,
 )
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 
 @pytest.mark.parametrize(
@@ -28,7 +29,7 @@ def test_endpoints_are_accepted(text: str) -> None:
     check_endpoint(text, "--connect")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("text", "hint"),
     [
         ("127.0.0.1:7447", "; did you mean tcp/127.0.0.1:7447?"),
@@ -92,7 +93,7 @@ def test_zenohs_own_places_are_left_out() -> None:
     assert config_reason("odd at /src/lib.rs:9.") == "odd"
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("endpoint", "loopback"),
     [
         ("tcp/127.0.0.1:7447", True), ("tcp/127.1.2.3:7447", True), ("tcp/[::1]:7447", True),

@@ -10,9 +10,10 @@ from intellwheels_schemas.explain import Repeated, check_plain, expected, object
 from intellwheels_schemas.messages import Actions
 from intellwheels_schemas.shapes import Scalar, shape_of
 from intellwheels_schemas.vectors import NAMES
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("scalar", "words"),
     [
         (Scalar(kind="number", low=0.0, high=360.0, low_open=True, unit="deg"), "degrees in (0, 360]"),
@@ -29,7 +30,7 @@ def test_expectation_is_in_words(scalar: Scalar, words: str) -> None:
     assert expected(scalar) == words
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("value", "words"),
     [
         (None, "null"), (True, "true"), (0.0, "0"), (0.5, "0.5"), (1e300, "1e+300"), (10**30, "a very large number"),

@@ -18,7 +18,9 @@ from intellwheels_schemas.vectors import CHAIR
 
 DEADLINE = 120.0
 
-PAGE = (Path(__file__).parents[2] / "schemas" / "FIRST-AGENT.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+ROOMS = [ROOT / room for room in ("schemas", "server", "agents", "viewer")]
+PAGE = (ROOT / "schemas" / "FIRST-AGENT.md").read_text(encoding="utf-8")
 LINES = [line.strip() for line in PAGE.splitlines()]
 OBJECTS = [line for line in LINES if line.startswith('{"')]
 ELEMENTS = [line for line in LINES if re.match(r"<[A-Z]", line)]
@@ -35,6 +37,14 @@ def test_page_has_the_four_messages() -> None:
         (Actions, actions),
     ):
         assert encode(decode(cls, text.encode())).decode() == text
+
+
+def test_actions_that_other_pages_show_are_accepted() -> None:
+    pages = [path for room in ROOMS for path in room.rglob("*.md")]
+    shown = [text for page in pages for text in re.findall(r"<Actions [^>]*/>", page.read_text(encoding="utf-8"))]
+    assert shown
+    for text in shown:
+        assert decode(Actions, text.encode(), Encoding.XML).session
 
 
 @pytest.mark.parametrize("text", ELEMENTS)

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.every_case import every_case
 from tests.schemas.documents import GROWN, REFUSED, SCHEMAS, class_name, json_validator, vectors
 
 
 @pytest.mark.parametrize("folder", ["reader", "writer"])
-@pytest.mark.parametrize("path", vectors("json"), ids=lambda path: path.name)
+@every_case("path", vectors("json"), ids=lambda path: path.name)
 def test_every_vector_is_valid(path: Path, folder: str) -> None:
     validator = json_validator(class_name(path), folder)
     assert [error.message for error in validator.iter_errors(json.loads(path.read_bytes()))] == []
@@ -31,8 +32,8 @@ def test_unknown_fields_pass_at_every_depth_and_known_ones_are_checked() -> None
     assert not json_validator("Measures", "reader").is_valid(document)
 
 
-@pytest.mark.parametrize("folder", ["reader", "writer"])
-@pytest.mark.parametrize(
+@every_case("folder", ["reader", "writer"])
+@every_case(
     "name",
     [
         "Actions-left-motor-word.json", "Actions-left-motor-high.json", "Actions-say-null.json",

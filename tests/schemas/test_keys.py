@@ -5,6 +5,7 @@ import pytest
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Control, In, Keys, Out, Token, parse_alive
 from intellwheels_schemas.messages import Delete, Pause
+from tests.every_case import every_case
 
 HEX = "5f0c2a9be1d84377"
 
@@ -42,6 +43,7 @@ def test_what_was_made_is_taken_apart_again() -> None:
     assert keys.parse_in(keys.pose("a")) == In("a", "pose")
     assert keys.parse_out(keys.error("a")) == Out("a", "error")
     assert keys.parse_token(keys.token("a", "mind", HEX)) == Token("a", "mind", HEX)
+    assert keys.parse_token(keys.token("a", "both", HEX, "c")) == Token("a", "both", HEX, "c")
     assert keys.parse_join(keys.join("a")) == "a"
     assert keys.parse_leave(keys.leave("a")) == "a"
     assert keys.parse_user(keys.user("a")) == "a"
@@ -54,7 +56,7 @@ def test_what_was_made_is_taken_apart_again() -> None:
     assert parse_alive(keys.alive) == "main"
 
 
-@pytest.mark.parametrize(
+@every_case(
     "key",
     [
         "iw/v1/main/in/*/actions",
@@ -86,6 +88,11 @@ def test_other_keys_of_nobody_are_nobodys() -> None:
     assert keys.parse_state("iw/v1/main/state/-1") is None
     assert keys.parse_state("iw/v1/main/state/²") is None
     assert keys.parse_crew("iw/v1/main/crew/c/measures") is None
+    assert keys.parse_crew_measures(keys.crew_measures("c")) == "c"
+    assert keys.parse_crew_query(keys.crew_join("c")) == ("c", "join")
+    assert keys.parse_crew_query(keys.crew_leave("c")) == ("c", "leave")
+    assert keys.parse_crew_query(keys.crew_actions("c")) is None
+    assert keys.parse_token(f"{keys.token('a', 'both', HEX)}/*") is None
     assert parse_alive("iw/v1/*/alive") is None
 
 
@@ -102,7 +109,7 @@ def test_no_token_is_made_of_what_is_no_instance() -> None:
         Keys().token("a", "both", "1")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("key", "agent"),
     [
         ("in/a/acton", "a"), ("in/a", "a"), ("in/a/actions/x", "a"), ("in/A/actions", ""), ("in", ""),

@@ -8,6 +8,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import VERBS
 from intellwheels_schemas.lab_rules import LAB_ROLES, NAMES_AGENTS, NO_AGENTS, check_lab
 from intellwheels_schemas.messages import ControlVerb, Identity, Lab, LabRole, May
+from tests.every_case import every_case
 
 
 def lab(*identities: Identity) -> Lab:
@@ -23,7 +24,7 @@ def test_verbs_are_those_of_the_keys() -> None:
     assert set(LAB_ROLES) > NAMES_AGENTS | NO_AGENTS
 
 
-@pytest.mark.parametrize("role", get_args(LabRole))
+@every_case("role", get_args(LabRole))
 def test_each_role_can_be_given(role: LabRole) -> None:
     check_lab(one(role=role, agents=("a",) if role in NAMES_AGENTS else ()), "Lab")
 

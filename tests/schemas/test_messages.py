@@ -11,6 +11,7 @@ from intellwheels_schemas import file_records, messages
 from intellwheels_schemas.field_docs import field_docs, is_sentence
 from intellwheels_schemas.messages import Actions, AgentActions, AgentMeasures, Measures, Record
 from intellwheels_schemas.shapes import Member, shape_of
+from tests.every_case import every_case
 
 RECORDS = [
     cls
@@ -47,7 +48,7 @@ def what_is_wrong(text: str, name: str, kind: str) -> str:
     return ""
 
 
-@pytest.mark.parametrize("cls", RECORDS, ids=lambda cls: cls.__name__)
+@every_case("cls", RECORDS, ids=lambda cls: cls.__name__)
 def test_every_field_says_what_it_is_for(cls: type[msgspec.Struct]) -> None:
     docs = field_docs(cls)
     kinds = {member.name: kind_of(member) for member in shape_of(cls).members} if issubclass(cls, Record) else {}
@@ -61,7 +62,7 @@ def kind_of(member: Member) -> str:
     return member.record.__name__ if member.record is not None else ""
 
 
-@pytest.mark.parametrize("cls", [cls for cls in RECORDS if issubclass(cls, Record)], ids=lambda cls: cls.__name__)
+@every_case("cls", [cls for cls in RECORDS if issubclass(cls, Record)], ids=lambda cls: cls.__name__)
 def test_angles_and_coordinates_say_their_frame_or_sign(cls: type[Record]) -> None:
     docs = field_docs(cls)
     for member in shape_of(cls).members:

@@ -6,10 +6,11 @@ import pytest
 import xmlschema
 from lxml import etree
 
+from tests.every_case import every_case
 from tests.schemas.documents import GROWN, REFUSED, SCHEMAS, class_name, vectors, xsd
 
 
-@pytest.mark.parametrize("path", [*vectors("xml"), *sorted(GROWN.glob("*.xml"))], ids=lambda path: path.name)
+@every_case("path", [*vectors("xml"), *sorted(GROWN.glob("*.xml"))], ids=lambda path: path.name)
 def test_every_vector_is_valid_also_with_unknown_fields(path: Path) -> None:
     schema = xsd(f"reader/{class_name(path)}.xsd")
     assert schema.validate(etree.parse(str(path))), schema.error_log

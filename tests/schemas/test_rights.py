@@ -9,6 +9,7 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Identity, May, Role
 from intellwheels_schemas.rights import Does, denial, join_denial, rights_key, serve_denial
+from tests.every_case import every_case
 
 STUDENT = Identity(
     name="student1",
@@ -22,7 +23,7 @@ TEACHER = Identity(name="teacher", may=(May(role="operator", agents=("*",), verb
 KEYS = Keys("main")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("who", "key", "does", "text"),
     [
         (STUDENT, "iw/v1/main/ctl/pause", "query", "student1 may not ask for ctl/pause in world main"),

@@ -26,9 +26,10 @@ from intellwheels_schemas.rules import (
     sensors_of,
 )
 from intellwheels_schemas.vectors import CHAIR, DOOR, EVERY_SENSOR, VALID
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize("name", VALID)
+@every_case("name", VALID)
 def test_valid_messages_keep_the_rules(name: str) -> None:
     check(VALID[name])
 

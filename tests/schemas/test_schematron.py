@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from tests.every_case import every_case
 from tests.schemas.documents import GROWN, REFUSED, ROOT, rules, vectors, xsd
 
 
-@pytest.mark.parametrize("path", [*vectors("xml"), *sorted(GROWN.glob("*.xml"))], ids=lambda path: path.name)
+@every_case("path", [*vectors("xml"), *sorted(GROWN.glob("*.xml"))], ids=lambda path: path.name)
 def test_every_vector_fulfils_the_rules(path: Path) -> None:
     assert rules().validate(etree.parse(str(path)))
 
@@ -18,7 +19,7 @@ def test_shipped_files_fulfil_the_rules() -> None:
         assert rules().validate(etree.parse(str(path))), path
 
 
-@pytest.mark.parametrize(
+@every_case(
     "name",
     [
         "Actions-tick-space.xml", "Robot-parts.xml", "Robot-sensors.xml", "Robot-id-twice.xml", "Robot-ranges.xml",

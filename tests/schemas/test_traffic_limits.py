@@ -34,11 +34,12 @@ def test_each_agent_has_a_rate_of_its_own_for_each_key() -> None:
     assert {rule["freq"] for rule in puts["rules"]} == {RATE}
     in_, out = "iw/v1/main/in", [rule["key_expr"] for rule in puts["rules"]]
     assert sorted(out) == [
+        "iw/v1/main/crew/lab1/actions", "iw/v1/main/crew/st1-$*/actions",
         f"{in_}/lab1/actions", f"{in_}/lab1/say", f"{in_}/real1/pose", f"{in_}/st1-$*/actions", f"{in_}/st1-$*/say",
         "iw/v1/main/user/real1", "iw/v1/main/user/st1-$*",
     ]  # fmt: skip
     # A simulator's puts and others' questions have none: Zenoh would drop the second of two honest ones.
-    assert {rule["key_expr"].split("/")[3] for rule in queries["rules"]} == {"join", "leave"}
+    assert {rule["key_expr"].split("/")[3] for rule in queries["rules"]} == {"join", "leave", "crew"}
     assert rates([May(role="simulator"), May(role="recorder")]) == []
 
 

@@ -7,6 +7,7 @@ import pytest
 from intellwheels_schemas.codec import Encoding, decode
 from intellwheels_schemas.messages import Actions, OperatorSay, PowerInForce, Say
 from intellwheels_schemas.vectors import NAMES, VALID, class_of, encoding_of_file
+from tests.every_case import every_case
 
 FILES = sorted(
     path for path in (Path(__file__).parents[2] / "schemas" / "vectors").iterdir() if path.suffix in {".json", ".xml"}
@@ -26,7 +27,7 @@ def test_class_is_said_by_the_name_up_to_the_first_dash_or_point() -> None:
         class_of("Aktion.json")
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@every_case("path", FILES, ids=lambda path: path.name)
 def test_committed_vector_is_the_message(path: Path) -> None:
     assert decode(class_of(path.name), path.read_bytes(), encoding_of_file(path.name)) == VALID[path.stem]
     assert encoding_of_file(path.name) is (Encoding.XML if path.suffix == ".xml" else Encoding.JSON)
@@ -73,7 +74,7 @@ BYTES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BYTES)
+@every_case("name", BYTES)
 def test_vector_is_as_it_was_decided(name: str) -> None:
     path = next(path for path in FILES if path.name == name)
     assert path.read_text(encoding="utf-8") == BYTES[name]

@@ -7,6 +7,7 @@ import pytest
 import xmlschema
 from lxml import etree
 
+from tests.every_case import every_case
 from tests.schemas.documents import REFUSED, ROOT, SCHEMAS, vectors, xsd
 
 FOLDER = SCHEMAS / "xsd" / "writer"
@@ -21,7 +22,7 @@ def schemas() -> dict[bool, Any]:
     }
 
 
-@pytest.mark.parametrize("path", vectors("xml"), ids=lambda path: path.name)
+@every_case("path", vectors("xml"), ids=lambda path: path.name)
 def test_every_vector_is_valid(schemas: dict[bool, Any], path: Path) -> None:
     schema = schemas[path.name.startswith("OperatorSay")]
     assert [error.reason for error in schema.iter_errors(path.read_text(encoding="utf-8"))] == []

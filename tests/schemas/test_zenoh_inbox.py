@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from intellwheels_schemas.zenoh_inbox import Ask, Inbox, Presence, Put, TooLong
+from intellwheels_schemas.zenoh_inbox import QUEUE_ROOM, Ask, Inbox, Presence, Put, TooLong
 
 
 class Payload(bytes):
@@ -57,6 +57,18 @@ def test_what_does_not_fit_is_counted_and_room_is_there_again_after_taking() -> 
     assert (len(inbox.take()), inbox.dropped) == (1, 2)
 
 
+def test_first_arrivals_can_be_taken_alone_and_give_their_room_back() -> None:
+    inbox = Inbox(total_bytes=100, max_bytes=30)
+    keep(inbox, Sample(Payload(b"1" * 30)), Sample(Payload(b"2" * 31)))
+    inbox.on_token(Sample(Payload(b"")))  # type: ignore[arg-type]
+    assert [type(one) for one in inbox.take(1)] == [Put]
+    keep(inbox, Sample(Payload(b"3" * 30)))
+    assert inbox.dropped == 0
+    assert [type(one) for one in inbox.take(2)] == [TooLong, Presence]
+    assert [type(one) for one in inbox.take(9)] == [Put]
+    assert inbox.take(9) == []
+
+
 def test_a_delete_is_counted_and_not_kept_and_a_token_is_never_dropped() -> None:
     inbox = Inbox(room=0)
     keep(inbox, Sample(Payload(b""), deleted=True), Sample(Payload(b"{}")))
@@ -83,12 +95,45 @@ class Query:
     encoding: str | None = None
 
 
+def ask(inbox: Inbox, *keys: str, served: str = "") -> None:
+    callback = inbox.queries_of(served) if served else inbox.on_query
+    for key in keys:
+        callback(Query(key))  # type: ignore[arg-type]
+
+
 def test_query_is_kept_with_the_key_of_its_queryable() -> None:
     inbox = Inbox()
-    query = Query("iw/v1/main/*")
-    inbox.on_query(query)  # type: ignore[arg-type]
-    inbox.queries_of("iw/v1/main/clock")(query)  # type: ignore[arg-type]
-    asks = inbox.take()
-    assert [(ask.key, ask.served) for ask in asks if isinstance(ask, Ask)] == [
-        ("iw/v1/main/*", ""), ("iw/v1/main/*", "iw/v1/main/clock"),
-    ]  # fmt: skip
+    ask(inbox, "iw/v1/main/*")
+    ask(inbox, "iw/v1/main/*", served="iw/v1/main/clock")
+    assert inbox.wait(0.0)
+    (plain,) = inbox.take()
+    assert isinstance(plain, Ask)
+    assert (plain.key, plain.served) == ("iw/v1/main/*", "")
+    assert inbox.wait(0.0)
+    queued = inbox.next_query()
+    assert queued is not None
+    assert (queued.key, queued.served) == ("iw/v1/main/*", "iw/v1/main/clock")
+    assert inbox.next_query() is None
+    assert not inbox.wait(0.0)
+
+
+def test_many_queries_of_one_key_take_neither_room_nor_turns_from_others() -> None:
+    inbox = Inbox(room=1)
+    ask(inbox, *["m"] * (QUEUE_ROOM + 3), served="m")
+    ask(inbox, "c", "c", served="c")
+    keep(inbox, Sample(Payload(b"x")))
+    assert len(inbox.take()) == 1
+    assert (inbox.dropped, inbox.unanswered) == (0, {"m": 3})
+    found = [one.key for one in iter(inbox.next_query, None)]
+    assert found[:5] == ["m", "c", "m", "c", "m"]
+    assert len(found) == QUEUE_ROOM + 2
+
+
+def test_queued_queries_are_bounded_by_their_bytes_together() -> None:
+    inbox = Inbox(max_bytes=50, total_bytes=100)
+    for served in ("m", "c"):
+        inbox.queries_of(served)(Query("k", Payload(b"x" * 50)))  # type: ignore[arg-type]
+    assert inbox.unanswered == {"c": 1}
+    assert inbox.next_query() is not None
+    inbox.queries_of("c")(Query("k", Payload(b"x" * 50)))  # type: ignore[arg-type]
+    assert inbox.unanswered == {"c": 1}

@@ -9,13 +9,19 @@ from typing import Any
 import msgspec
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Actions,
+    AgentActions,
     Body,
     Clock,
+    CrewActions,
+    CrewError,
+    CrewJoin,
+    CrewJoined,
+    CrewMeasures,
     End,
     Error,
     Event,
@@ -36,6 +42,7 @@ from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import LoadFault, LoadRequest, PackedFloor, load_floor
+from intellwheels_server.service.roster import presence_of
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.side_process import Outcome
 
@@ -66,7 +73,13 @@ class FloorsAtOnce:
 
 
 class Stage:
-    """A live run, its clock, and all that came out."""
+    """A live run, its clock, and all that came out.
+
+    Attributes:
+        reads_state: Whether somebody reads the state.
+    """
+
+    reads_state = True
 
     def __init__(
         self, *, strict: bool | None = None, log: Path | None = None, end: End | None = None, **options: Any
@@ -101,11 +114,24 @@ class Stage:
         encode(message, encoding)
         self.sent.append((agent, kind, message, encoding))
 
+    def put_measures(self, agent: str, data: bytes, encoding: Encoding, /) -> None:
+        self.sent.append((agent, "measures", decode(Measures, data, encoding), encoding))
+
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         self.sent.append((agent, "declare", Robot(), mind))
 
     def undeclare_agent(self, agent: str) -> None:
         self.sent.append((agent, "undeclare", Robot(), JSON))
+
+    def crew_measures(self, crew: str, data: bytes, encoding: Encoding) -> None:
+        self.sent.append((crew, "crew-measures", decode(CrewMeasures, data, encoding), encoding))
+
+    def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
+        encode(error, encoding)
+        self.sent.append((crew, "crew-error", error, encoding))
+
+    def undeclare_crew(self, crew: str) -> None:
+        self.sent.append((crew, "undeclare-crew", Robot(), JSON))
 
     def body(self, agent: str, body: Body) -> None:
         self.sent.append((agent, "body", body, JSON))
@@ -113,8 +139,13 @@ class Stage:
     def pose(self, agent: str, pose: Pose) -> None:
         self.sent.append((agent, "pose", pose, JSON))
 
-    def state(self, state: WorldState) -> None:
+    def put_state(self, part: int, data: bytes) -> None:
+        state = decode(WorldState, data)
+        assert state.part == part
         self.sent.append(("", "state", state, JSON))
+
+    def is_state_read(self) -> bool:
+        return self.reads_state
 
     def event(self, event: Event) -> None:
         self.sent.append(("", "event", event, JSON))
@@ -228,6 +259,34 @@ class Stage:
         more.setdefault("tick", state.tick)
         actions = Actions(run=state.run, session=self.sessions[agent], left_motor=left, right_motor=right, **more)
         self.put(agent, actions)
+
+    def join_crew(
+        self, name: str, *agents: str, instance: str = "c" * 16, encoding: Encoding = JSON, **fields: Any
+    ) -> Record:
+        """Join with agents as a crew and return the reply; `fields` are those of their robots."""
+        wanted = tuple(
+            msgspec.structs.replace(robot("rear-wheel"), **({"format": None, "name": agent} | fields))
+            for agent in agents
+        )
+        crew = name
+        for each in wanted:
+            self.token(each.name or "", each.role, presence_of(instance, crew))
+        join = CrewJoin(crew=crew, instance=instance, robot=wanted)
+        replies = self.ask("crew-join", crew, join, encoding=encoding)
+        assert len(replies) == 1, replies
+        reply = replies[0][0]
+        if isinstance(reply, CrewJoined):
+            self.sessions |= {each.agent: each.session for each in reply.joined}
+        return reply
+
+    def crew_act(self, crew: str, *agents: str, **more: Any) -> None:
+        """Answer the current tick for agents of a crew, with their sessions unless another is given."""
+        state = self.live_run.state
+        fields: dict[str, Any] = {"run": state.run, "tick": state.tick, "left_motor": 0.5, "right_motor": 0.5} | more
+        actions = tuple(
+            AgentActions(agent=agent, **{"session": self.sessions.get(agent, NOBODY), **fields}) for agent in agents
+        )
+        self.put(crew, CrewActions(crew=crew, actions=actions), "crew")
 
     # ------------------------------------------------------------ what came out
 

@@ -152,7 +152,7 @@ def check(state: State, outputs: Outputs) -> None:
     assert decode(WorldState, encode(world)) == world
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(6, 24))])
 def test_random_history_can_be_encoded_and_its_log_repeats_it(seed: int) -> None:
     draw = random.Random(seed)
     setup = draw_setup(draw)

@@ -5,9 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -37,6 +34,8 @@ from intellwheels_viewer.cameras import (
     ray,
 )
 from intellwheels_viewer.head_turn import DOWN, REACH, Eye
+from tests.every_case import every_case
+from tests.viewer.fake_camera import FakeCamera
 from tests.viewer.wire import entity
 
 EMPTY = Map(format="iw.v1", name="empty")
@@ -77,12 +76,39 @@ def test_all_that_must_be_shown_is_in_the_picture_and_no_nearer_view_shows_it(
     assert view.fov == fov
 
 
-@pytest.mark.parametrize("name", ["room", "ward"])
-@pytest.mark.parametrize("aspect", [0.5, 0.9, 1.6, 2.4])
+@every_case("name", ["room", "ward"])
+@every_case("aspect", [0.5, 0.9, 1.6, 2.4])
 def test_the_first_view_shows_a_floor_whole_whatever_the_panels_leave(name: str, aspect: float) -> None:
     corners = corners_of(library.floor(name))
     for view in (fit(corners, STEEP, FOV, aspect), plan_of(corners, aspect)):
         assert np.abs(projected(corners * (1, 1, view.fov != PLAN_FOV), view, aspect)).max() < 1.0
+
+
+@pytest.mark.parametrize("name", ["room", "ward", "crossing", "corridor15m", "lounge", "square", "corner", "door"])
+@pytest.mark.parametrize(
+    ("width", "height", "covered"),
+    [(1024, 900, 0.0), (704, 800, 0.0), (820, 1180, 0.43), (390, 844, 0.07), (390, 844, 0.63)],
+)
+def test_the_floor_fills_what_panels_leave(name: str, width: int, height: int, covered: float) -> None:
+    corners = corners_of(library.floor(name))
+    ground = corners[corners[:, 2] == 0.0]
+    for view in (
+        fit(corners, STEEP, FOV, width / height, covered),
+        plan_of(corners, width / height, covered),
+    ):
+        spots = projected(corners * (1, 1, view.fov != PLAN_FOV), view, width / height)
+        # Nothing is behind a panel, and the floor is large.
+        assert spots[:, 1].min() >= -1.0 + 2.0 * covered
+        assert np.abs(spots).max() < 1.0
+        across, up = np.ptp(projected(ground, view, width / height), axis=0)
+        assert max(across / 2.0, up / 2.0 / (1.0 - covered)) >= 0.7
+
+
+def test_a_long_map_is_upright_in_an_upright_picture_and_north_is_up_in_all_others() -> None:
+    corners = corners_of(library.floor("ward"))
+    for aspect, upright in ((0.46, True), (0.88, False), (1.6, False)):
+        view = fit(corners, STEEP, FOV, aspect)
+        assert bool(abs(view.look_at[0] - view.position[0]) > 1.0) == upright
 
 
 def test_the_corners_are_those_of_walls_and_all_else_from_the_floor_to_the_tallest_name() -> None:
@@ -166,7 +192,7 @@ def test_a_ray_meets_the_floor_where_it_points() -> None:
     assert on_floor((1.0, 2.0, 4.0), (1.0, 0.0, -2.0)) == pytest.approx((3.0, 2.0))
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("origin", "direction"),
     [
         ((0, 0, 1), (1, 0, 0)), ((0, 0, 1), (0, 0, 1)), ((0, 0, -1), (0, 0, -1)), ((0, 0, 1), (1, 0, -1e-7)),
@@ -180,7 +206,7 @@ def test_a_ray_that_meets_no_floor_meets_nothing(origin: tuple[float, ...], dire
 
 
 def test_the_line_of_sight_through_a_projected_point_meets_it() -> None:
-    camera = Fake().camera
+    camera = FakeCamera().camera
     points = np.array([(2.0, 1.0, 0.0), (-1.0, 0.5, 0.0)])
     view = View(np.array(camera.position), np.array(camera.look_at), camera.fov)
     for point, (right, up) in zip(points, projected(points, view, camera.aspect), strict=True):
@@ -190,45 +216,13 @@ def test_the_line_of_sight_through_a_projected_point_meets_it() -> None:
 # ---------------------------------------------------------------- a browser's camera
 
 
-class Fake:
-    """A browser: it keeps what it is told as a page does, and reports it when asked to."""
-
-    def __init__(self, *, width: int = 1280, height: int = 800) -> None:
-        self.calls: list[Any] = []
-        self.camera: Any = SimpleNamespace(
-            position=(4.0, -6.0, 5.0), look_at=(0.0, 0.0, 0.0), up_direction=(0.0, 0.0, 1.0), fov=0.8, near=0.1,
-            far=1000.0, image_width=width, image_height=height, aspect=width / max(height, 1),
-            on_update=self._hear,
-        )  # fmt: skip
-
-    def _hear(self, call: Any) -> Any:
-        self.calls.append(call)
-        return call
-
-    @contextmanager
-    def atomic(self) -> Iterator[None]:
-        yield
-
-    def report(self, **changes: Any) -> None:
-        """The page says where its camera is."""
-        import asyncio
-
-        for name, value in changes.items():
-            setattr(self.camera, name, value)
-        for call in self.calls:
-            asyncio.run(call(self.camera))
-
-    def resize(self, width: int, height: int) -> None:
-        self.report(image_width=width, image_height=height, aspect=width / max(height, 1))
+@pytest.fixture
+def client() -> FakeCamera:
+    return FakeCamera()
 
 
 @pytest.fixture
-def client() -> Fake:
-    return Fake()
-
-
-@pytest.fixture
-def camera(client: Fake) -> Camera:
+def camera(client: FakeCamera) -> Camera:
     made = Camera(cast(Any, client))
     client.report()  # the page's first word: its window
     return made
@@ -237,25 +231,25 @@ def camera(client: Fake) -> Camera:
 ROOM = library.floor("room")
 
 
-def shows(client: Fake, floor: Map = ROOM) -> bool:
+def shows(client: FakeCamera, floor: Map = ROOM) -> bool:
     view = View(np.array(client.camera.position), np.array(client.camera.look_at), client.camera.fov)
     return bool(np.abs(projected(corners_of(floor), view, client.camera.aspect)).max() < 1.0)
 
 
-def test_another_floor_is_shown_whole(client: Fake, camera: Camera) -> None:
+def test_another_floor_is_shown_whole(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     assert shows(client)
     camera.frame(library.floor("ward"))
     assert shows(client, library.floor("ward"))
 
 
-def test_the_view_is_fitted_again_when_panels_dock_and_nobody_moved_it(client: Fake, camera: Camera) -> None:
+def test_the_view_is_fitted_again_when_panels_dock_and_nobody_moved_it(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     client.resize(500, 900)
     assert shows(client)
 
 
-def test_who_has_moved_the_view_keeps_it(client: Fake, camera: Camera) -> None:
+def test_who_has_moved_the_view_keeps_it(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     client.report()  # the echo of ours
     client.report(position=(1.0, 1.0, 1.0))
@@ -263,7 +257,7 @@ def test_who_has_moved_the_view_keeps_it(client: Fake, camera: Camera) -> None:
     assert tuple(client.camera.position) == (1.0, 1.0, 1.0)
 
 
-def test_late_echoes_are_no_moves_of_the_user(client: Fake, camera: Camera) -> None:
+def test_late_echoes_are_no_moves_of_the_user(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     first = client.camera.position
     client.report()
@@ -274,7 +268,7 @@ def test_late_echoes_are_no_moves_of_the_user(client: Fake, camera: Camera) -> N
     assert shows(client, library.floor("ward"))
 
 
-def test_following_goes_along_and_keeps_the_users_orbit(client: Fake, camera: Camera) -> None:
+def test_following_goes_along_and_keeps_the_users_orbit(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.report()
     around = np.array(client.camera.look_at) + np.array([0.0, 5.0, 5.0])
@@ -284,21 +278,21 @@ def test_following_goes_along_and_keeps_the_users_orbit(client: Fake, camera: Ca
     assert client.camera.look_at[0] == pytest.approx(3.0)
 
 
-def test_following_what_stands_writes_nothing(client: Fake, camera: Camera) -> None:
+def test_following_what_stands_writes_nothing(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.camera.position = "untouched"
     camera.follow(entity("a"))
     assert client.camera.position == "untouched"
 
 
-def test_first_person_sits_in_the_chair(client: Fake, camera: Camera) -> None:
+def test_first_person_sits_in_the_chair(client: FakeCamera, camera: Camera) -> None:
     camera.choose("first", entity("a", 2.0, heading=0.0))
     camera.follow(entity("a", 4.0, heading=0.0))
     assert client.camera.position[0] == pytest.approx(4.05)
     assert client.camera.fov == SEATED.fov
 
 
-def test_the_mouse_turns_the_head_and_the_chair_goes_on(client: Fake, camera: Camera) -> None:
+def test_the_mouse_turns_the_head_and_the_chair_goes_on(client: FakeCamera, camera: Camera) -> None:
     camera.choose("first", entity("a", 2.0))
     client.report()
     assert camera.turning == 0.0
@@ -323,7 +317,7 @@ def test_nobody_can_be_followed_but_somebody(camera: Camera) -> None:
     assert str(camera.mode) == "plan"
 
 
-def test_an_orbit_of_the_plan_is_no_plan_any_more(client: Fake, camera: Camera) -> None:
+def test_an_orbit_of_the_plan_is_no_plan_any_more(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     camera.choose("plan", None)
     assert client.camera.fov == PLAN_FOV
@@ -333,7 +327,7 @@ def test_an_orbit_of_the_plan_is_no_plan_any_more(client: Fake, camera: Camera) 
     assert client.camera.fov == FOV
 
 
-def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: Fake, camera: Camera) -> None:
+def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: FakeCamera, camera: Camera) -> None:
     from intellwheels_schemas.messages import Corner, Wall
 
     line = (Corner(x=-900.0, y=0.0), Corner(x=900.0, y=0.0))
@@ -350,7 +344,7 @@ def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: Fake, cam
         {"image_height": 0, "aspect": math.inf}, {"position": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, 0.0)},
     ],
 )  # fmt: skip
-def test_what_is_no_camera_is_not_believed(client: Fake, camera: Camera, nonsense: dict[str, Any]) -> None:
+def test_what_is_no_camera_is_not_believed(client: FakeCamera, camera: Camera, nonsense: dict[str, Any]) -> None:
     camera.frame(ROOM)
     client.report()
     before = dict(vars(client.camera))
@@ -361,7 +355,7 @@ def test_what_is_no_camera_is_not_believed(client: Fake, camera: Camera, nonsens
     assert shows(client)
 
 
-def test_a_camera_that_cannot_be_set_is_left(client: Fake) -> None:
+def test_a_camera_that_cannot_be_set_is_left(client: FakeCamera) -> None:
     class Stubborn:
         on_update = staticmethod(lambda call: call)
 

@@ -12,6 +12,7 @@ from PIL import Image
 
 from intellwheels_viewer import gallery
 from intellwheels_viewer.gallery import PICTURES, SIZE, main, parser
+from tests.every_case import every_case
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "viewer" / "gallery"
@@ -22,7 +23,7 @@ def test_the_repository_keeps_eight_pictures_and_no_others() -> None:
     assert {path.name for path in KEPT.iterdir()} == {f"{name}.jpg" for name in PICTURES}
 
 
-@pytest.mark.parametrize("name", PICTURES)
+@every_case("name", PICTURES)
 def test_a_picture_has_the_size_of_the_page_and_few_bytes(name: str) -> None:
     file = KEPT / f"{name}.jpg"
     assert file.stat().st_size <= 120_000

@@ -40,14 +40,15 @@ def test_from_the_chair_one_sees_ceiling_doors_the_own_hand_and_the_names_in_sig
     assert "/ceiling" not in nodes(here)
     here.page.look("first")
     here.show(ROOM)
-    assert all(visible(here, name) for name in ("/ceiling", "/door-tops/0", "/cockpit", "/sight/near"))
-    assert not visible(here, "/sight/far"), "a wall is between"
-    assert not visible(here, "/sight/me")
-    assert all(name in nodes(here) and not nodes(here)[name].visible for name in ("/wedges", "/trails", "/labels"))
+    assert all(visible(here, name) for name in ("/ceiling", "/door-tops/0", "/cockpit", "/own/labels/near"))
+    assert not visible(here, "/own/labels/far"), "a wall is between"
+    assert not visible(here, "/own/labels/me")
+    hidden = ("/wedges", "/own/wedges", "/trails", "/lidar")
+    assert all(name in nodes(here) and not nodes(here)[name].visible for name in hidden)
     here.page.look("free")
     here.show(ROOM)
-    assert not any(visible(here, name) for name in ("/ceiling", "/door-tops/0", "/cockpit", "/sight/near"))
-    assert all(nodes(here)[name].visible for name in ("/wedges", "/trails", "/labels"))
+    assert not any(visible(here, name) for name in ("/ceiling", "/door-tops/0", "/cockpit"))
+    assert all(nodes(here)[name].visible for name in ("/own/wedges", "/trails", "/lidar"))
 
 
 def test_who_wants_it_sees_sensors_from_the_chair_with_the_own_eyes(here: Opened) -> None:
@@ -56,7 +57,7 @@ def test_who_wants_it_sees_sensors_from_the_chair_with_the_own_eyes(here: Opened
     here.page._layers.choose(replace(Layers(), senses=True, eye_height=1.5, field_of_view=60.0))
     here.page.look("first")
     here.show(ROOM)
-    assert visible(here, "/wedges") or "/wedges" not in nodes(here)
+    assert visible(here, "/own/wedges")
     assert here.client.camera.position[2] == pytest.approx(1.5)
 
 

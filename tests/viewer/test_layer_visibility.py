@@ -12,18 +12,18 @@ from intellwheels_viewer.layer_visibility import LAYERS_KEY
 from intellwheels_viewer.panels.layers_panel import Layers
 from tests.viewer.browser import opened
 from tests.viewer.opened import SNAPSHOT, Opened
-from tests.viewer.wire import until
+from tests.viewer.wire import entity, until
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 
 @pytest.mark.process
 def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServer) -> None:
-    stored = replace(Layers(), wedges=False).to_json()
+    stored = replace(Layers(), trails=False).to_json()
     with opened(pages.get_port(), storage=stored) as browser:
         made = Opened(pages, browser)
-        browser.wait(lambda: "/wedges" in browser.scene)
-        assert set(made.page._layers.hidden) == {"wedges"}
+        browser.wait(lambda: "/trails" in browser.scene)
+        assert set(made.page._layers.hidden) == {"trails", "all_wedges"}
         made.page.close()
     until(lambda: not pages.get_clients())
 
@@ -51,3 +51,22 @@ def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Op
     layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign, assignment]
     layering.draw_walls(replace(SNAPSHOT, revision=SNAPSHOT.revision + 1), inside=False)
     assert drawn == [(SNAPSHOT.floor, HALF_HEIGHT)]
+
+
+def test_walls_between_the_camera_and_the_followed_are_cut_away(here: Opened) -> None:
+    layering = here.page._layers
+    floor = SNAPSHOT.floor
+    assert floor is not None
+    middle, south = (floor.wall[0].corner[0].x + floor.wall[0].corner[1].x) / 2, floor.wall[0].corner[0].y
+    cut = layering.hiding(SNAPSHOT, (middle, south - 1.5, 2.0), entity("a", middle, south + 0.6))
+    assert cut
+    layering.draw_walls(SNAPSHOT, inside=False)
+    assert vars(layering)["_walls"] is None
+    layering.draw_walls(SNAPSHOT, inside=False, cut=cut)
+    assert layering._walls is not None
+    drawn: list[object] = []
+    layering._walls.show = lambda floor, height=None: drawn.append(floor)  # type: ignore[method-assign, assignment]
+    layering.draw_walls(SNAPSHOT, inside=False, cut=cut)
+    assert drawn == []
+    layering.draw_walls(SNAPSHOT, inside=False)
+    assert drawn == [floor]

@@ -15,6 +15,7 @@ from intellwheels_viewer.page_hosts import (
     site_of,
     url_of,
 )
+from tests.every_case import every_case
 
 OURS = page_names("127.0.0.1", ["lab-pc"])
 
@@ -38,7 +39,7 @@ def test_name_has_no_scheme_and_no_path(name: str) -> None:
         check_page_hosts("127.0.0.1", ["lab-pc", name])
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("text", "site"),
     [
         ("localhost", Site("localhost")),
@@ -51,7 +52,7 @@ def test_host_is_a_name_and_perhaps_a_port(text: str, site: Site | None) -> None
     assert site_of(text) == site
 
 
-@pytest.mark.parametrize(
+@every_case(
     "host",
     ["evil.example", "localhost.evil.example", "evil.example:8080", "127.0.0.1.evil.example", "0.0.0.0:8080", "",
      None, "localhost.", "[::1", "localhost:1@evil.example", "2130706433", "127.1"],
@@ -60,7 +61,7 @@ def test_host_that_is_not_ours_is_refused(host: str | None) -> None:
     assert "Host: expected one of" in (refusal(host, None, OURS) or "")
 
 
-@pytest.mark.parametrize(
+@every_case(
     "origin",
     ["http://evil.example", "https://localhost.evil.example:8080", "null", "", "http://localhost:9999",
      "http://localhost", "file://", "http://localhost:8080,http://evil.example", "ftp://localhost:8080", "http://[",
@@ -70,7 +71,7 @@ def test_origin_that_is_not_the_host_is_refused(origin: str) -> None:
     assert "Origin: expected this page's own" in (refusal("localhost:8080", origin, OURS) or "")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("host", "origin", "names"),
     [
         ("localhost:8080", None, OURS),

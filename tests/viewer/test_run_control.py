@@ -9,6 +9,7 @@ import pytest
 from intellwheels_schemas.messages import Pause, Record, Reset, Resume, Seek
 from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
+from tests.every_case import every_case
 from tests.viewer.opened import SNAPSHOT, Network
 from tests.viewer.panels.made_up import clock
 from tests.viewer.steering_queue import requests_of
@@ -75,7 +76,7 @@ def test_a_run_that_waits_for_a_page_is_started_once() -> None:
     assert started(replace(WAITING, last_tick=3400, events=())) == [Resume()]
 
 
-@pytest.mark.parametrize(
+@every_case(
     "snapshot",
     [
         replace(WAITING, clock=clock("waiting", tick=0)),

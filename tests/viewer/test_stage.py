@@ -166,11 +166,11 @@ def test_of_many_only_the_selected_ones_readings_have_arcs(stage: Stage) -> None
         CROWD, entities=CROWD.entities[:40],
         bodies={name: feed_body(name) for name in names}, measures={name: feed_measures(1, 0) for name in names},
     )  # fmt: skip
-    stage.show(crowd, {"n003"})
+    stage.show(crowd, {"n003"}, wedges=True)
     handle = stage._wedges._bars.handle
     assert handle is not None
     few = len(handle.batched_positions)
-    stage.show(replace(crowd, entities=crowd.entities[:4]), ())
+    stage.show(replace(crowd, entities=crowd.entities[:4]), (), wedges=True)
     assert len(handle.batched_positions) == 4 * few
 
 

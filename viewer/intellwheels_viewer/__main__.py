@@ -75,7 +75,10 @@ def parser() -> argparse.ArgumentParser:
         help="with --user-header: the lab's document (see iw-lab --help), which says what each user may do; users that "
         "are not in it may only look",
     )  # fmt: skip
-    page.add_argument("--dark", action="store_true", help="use the dark theme")
+    page.add_argument(
+        "--dark", action="store_true",
+        help="use the dark theme; without it, a page is as the system of its user wishes; the page has a switch too",
+    )  # fmt: skip
     kept = found.add_argument_group("recording")
     kept.add_argument(
         "--record", type=Path, metavar="FILE.html",

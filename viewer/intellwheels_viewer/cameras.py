@@ -18,6 +18,7 @@ import numpy.typing as npt
 import viser
 
 from intellwheels_schemas.messages import Entity, Map
+from intellwheels_viewer.drawings.label_layout import Picture
 from intellwheels_viewer.head_turn import REACH, Eye, HeadTurn, line_of_sight, position_of
 
 Mode = Literal["free", "plan", "follow", "first"]
@@ -33,6 +34,8 @@ TALLEST: Final = 1.6
 """Height of the tallest body with its label, in metres."""
 MARGIN: Final = 0.06
 """Share of the picture that stays empty at each edge."""
+UPRIGHT: Final = 0.75
+"""Width over height of the free part of a picture, below which a long map may be seen from the west (chosen)."""
 SMALLEST: Final = 2.0
 """Metres that a view shows at least, even of an empty map."""
 FAR: Final = 3000.0
@@ -62,35 +65,50 @@ def corners_of(floor: Map) -> Vector:
     return np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (0.0, TALLEST)])
 
 
-def fit(points: Vector, steep: float, fov: float, aspect: float) -> View:
+def fit(points: Vector, steep: float, fov: float, aspect: float, covered: float = 0.0) -> View:
     """Return the nearest view from the south that shows all points at a given angle.
+
+    In an upright picture a long map is seen from the west, if it is larger so.
 
     Args:
         points: In metres, shape (n, 3).
         steep: Angle below the horizontal, in radians, in (0, pi/2).
         fov: Vertical field of view, in radians.
         aspect: Width of the picture over its height.
+        covered: Share of the picture's height that panels cover at its bottom, in [0, 1).
     """
-    ahead = np.array([0.0, math.cos(steep), -math.sin(steep)])
-    up = np.array([0.0, math.sin(steep), math.cos(steep)])
-    right = np.array([1.0, 0.0, 0.0])
-    tall = math.tan(fov / 2) * (1.0 - 2.0 * MARGIN)
-    wide = tall * aspect
-    # A point at depth d is in the picture when |across| <= d wide and |above| <= d tall: four planes. With the camera
-    # at -s on each axis, the tightest pair of planes of each axis gives the shift and the distance that both need.
+    south = _fitted(points, steep, fov, aspect, covered, np.array([0.0, 1.0, 0.0]))
+    if aspect >= UPRIGHT * (1.0 - covered):
+        return south
+    west = _fitted(points, steep, fov, aspect, covered, np.array([1.0, 0.0, 0.0]))
+    return min(west, south, key=lambda view: float(view.position[2]))
+
+
+def _fitted(points: Vector, steep: float, fov: float, aspect: float, covered: float, course: Vector) -> View:
+    """Return the nearest view along a horizontal course, a unit vector, see `fit`."""
+    vertical = np.array([0.0, 0.0, 1.0])
+    ahead = math.cos(steep) * course - math.sin(steep) * vertical
+    up = math.sin(steep) * course + math.cos(steep) * vertical
+    right = np.cross(ahead, up)
+    free = 1.0 - covered
+    top = math.tan(fov / 2) * (1.0 - 2.0 * MARGIN * free)
+    bottom = math.tan(fov / 2) * (1.0 - 2.0 * covered - 2.0 * MARGIN * free)
+    wide = math.tan(fov / 2) * (1.0 - 2.0 * MARGIN) * aspect
+    # A point at depth d is in the picture when |across| <= d wide and -d bottom <= above <= d top: four planes. With
+    # the camera at -s on each axis, the tightest pair of planes of each axis gives the distance that both need.
     across, above, depth = points @ right, points @ up, points @ ahead
     left, far_right = np.max(-across - depth * wide), np.max(across - depth * wide)
-    low, high = np.max(-above - depth * tall), np.max(above - depth * tall)
-    shift_x, shift_y = (far_right - left) / 2, (high - low) / 2
-    back = max((left + far_right) / (2 * wide), (low + high) / (2 * tall))
+    low, high = np.max(-above - depth * bottom), np.max(above - depth * top)
+    back = max((left + far_right) / (2 * wide), (low + high) / (top + bottom))
+    shift_x, shift_y = (far_right - left) / 2, (high - low - back * (top - bottom)) / 2
     position = right * shift_x + up * shift_y - ahead * back
     to_floor = position[2] / math.sin(steep)
     return View(position, position + ahead * to_floor, fov)
 
 
-def plan_of(points: Vector, aspect: float) -> View:
+def plan_of(points: Vector, aspect: float, covered: float = 0.0) -> View:
     """Return the view from above, 1 mrad off the vertical: exactly vertical would turn the picture."""
-    return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect)
+    return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect, covered)
 
 
 def first_person(entity: Entity, eye: Eye = SEATED, yaw: float = 0.0, pitch: float = 0.0) -> View:
@@ -154,6 +172,7 @@ class Camera:
         self.mode: Mode = "free"
         self._corners: Vector | None = None
         self._aspect = 0.0
+        self._covered = 0.0
         self._by_hand = False
         # Whether the page has reported one of our writes. Until then it reports its own default camera.
         self._settled = False
@@ -175,6 +194,14 @@ class Camera:
             self._by_hand = False
             self._fit()
 
+    def leave_free(self, covered: float) -> None:
+        """Fit the map above what panels cover: a share of the picture's height, at its bottom, in [0, 0.8]."""
+        with self._lock:
+            if abs(covered - self._covered) > 0.005:
+                self._covered = covered
+                if not self._by_hand:
+                    self._fit()
+
     def choose(self, mode: Mode, entity: Entity | None) -> None:
         """Change the mode. Following and first person need a body."""
         with self._lock:
@@ -186,6 +213,16 @@ class Camera:
                 self._fit()
             elif entity is not None:
                 self.follow(entity)
+
+    def look_from(self, eye: tuple[float, float, float], to: tuple[float, float, float]) -> None:
+        """Look from a point at another one, in metres; in follow mode the camera then moves with the body."""
+        with self._lock:
+            view = View(np.array(eye), np.array(to), PLAN_FOV if self.mode == "plan" else FOV)
+            if self.mode == "follow":
+                self._offset = view.position - view.look_at
+            elif self.mode != "first":
+                self._by_hand = True
+                self._write(view, near=0.9 if self.mode == "plan" else 0.1)
 
     def follow(self, entity: Entity) -> None:
         """Move the camera with the followed body, once per drawn tick."""
@@ -206,6 +243,22 @@ class Camera:
     def turning(self) -> float:
         """A number that changes while a head is turned, so that it comes back in a paused run too."""
         return time.monotonic() if self.mode == "first" and self._head.is_turned else 0.0
+
+    @property
+    def picture(self) -> Picture | None:
+        """What the camera shows now, as far as this process knows; None before the page's first report."""
+        with self._lock:
+            camera = self._client.camera
+            try:
+                x, y, z = (float(value) for value in camera.position)
+                to = (float(value) for value in camera.look_at)
+                shown = Picture((x, y, z), tuple(to), camera.fov, camera.image_width, camera.image_height)  # type: ignore[arg-type]
+            except AssertionError:
+                return None
+            sizes = (*shown.position, *shown.look_at, shown.fov, shown.width, shown.height)
+            if not all(map(math.isfinite, sizes)) or not 0 < shown.fov < math.pi or min(shown.width, shown.height) <= 0:
+                return None  # a minimised window, or not our page
+            return shown
 
     def _reported(self) -> None:
         """Take the page's report of its camera."""
@@ -239,8 +292,13 @@ class Camera:
         if self._corners is None or self.mode not in ("free", "plan"):
             return
         aspect = self._aspect or 1.6
-        view = plan_of(self._corners, aspect) if self.mode == "plan" else fit(self._corners, STEEP, FOV, aspect)
-        self._write(view, near=0.9 if self.mode == "plan" else 0.1)
+        plan = self.mode == "plan"
+        view = (
+            plan_of(self._corners, aspect, self._covered)
+            if plan
+            else fit(self._corners, STEEP, FOV, aspect, self._covered)
+        )
+        self._write(view, near=0.9 if plan else 0.1)
 
     def _write(self, view: View, near: float = 0.1) -> None:
         camera = self._client.camera

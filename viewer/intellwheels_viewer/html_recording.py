@@ -65,12 +65,17 @@ class HtmlRecording:
         Raises:
             OSError: The file cannot be written.
         """
-        if self._kept is None:
-            return 0
-        kept, self._kept = self._kept, None
-        page = kept.as_html(dark_mode=self._dark).encode()
-        write_reserved(file, page)
+        page = self.page()
+        if page:
+            write_reserved(file, page)
         return len(page)
+
+    def page(self) -> bytes:
+        """Return the recording as a page and end it; nothing if nothing was recorded."""
+        if self._kept is None:
+            return b""
+        kept, self._kept = self._kept, None
+        return kept.as_html(dark_mode=self._dark).encode()
 
     def _frame(self, snapshot: Snapshot) -> None:
         """Set the first view so that it shows the whole map."""

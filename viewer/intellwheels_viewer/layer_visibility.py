@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 import viser
 
+from intellwheels_schemas.messages import Map
+from intellwheels_viewer.drawings.cut_away import cut_away, hidden, pieces_of
 from intellwheels_viewer.drawings.extruded_walls import Walls
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
 from intellwheels_viewer.panels import layers_panel
@@ -13,9 +16,10 @@ from intellwheels_viewer.panels.layers_panel import Layers
 from intellwheels_viewer.stage import LAYERS
 
 if TYPE_CHECKING:
+    from intellwheels_schemas.messages import Entity
     from intellwheels_viewer.snapshot import Snapshot
 
-SENSES: Final = frozenset({"wedges", "lidar", "trails"})
+SENSES: Final = frozenset({"all_wedges", "lidar", "trails"})
 """The layers that a view from the chair does not show unless the user wants them there."""
 LAYERS_KEY: Final = "intellwheels.layers"
 
@@ -37,8 +41,11 @@ class LayerVisibility:
         self._inside = False
         self.layers = layers_panel.from_json(_kept(client))
         self.hidden: dict[str, viser.FrameHandle] = {}
+        # A recording has labels for a camera that is not this browser's, which has its own: see `own_drawings`.
+        client.scene.add_frame("/labels", show_axes=False, visible=False)
         self._walls: Walls | None = None
-        self._walls_of: tuple[int, bool] = (-1, False)
+        self._walls_of: tuple[int, bool, frozenset[int]] = (-1, False, frozenset())
+        self._pieces_of, self._pieces = -1, pieces_of(Map(format="iw.v1", name="none"))
         self._hide()
 
     def choose(self, layers: Layers) -> None:
@@ -47,29 +54,43 @@ class LayerVisibility:
         self._client.local_storage.set_item(LAYERS_KEY, layers.to_json())
         self._hide()
 
-    def draw_walls(self, snapshot: Snapshot, *, inside: bool) -> None:
+    def hiding(self, snapshot: Snapshot, eye: tuple[float, float, float], entity: Entity) -> frozenset[int]:
+        """Return the parts of walls that stand between a camera and a body, for `draw_walls`."""
+        if snapshot.floor is None:
+            return frozenset()
+        if self._pieces_of != snapshot.revision:
+            self._pieces_of, self._pieces = snapshot.revision, pieces_of(snapshot.floor)
+        height = math.inf if self.layers.full_walls else HALF_HEIGHT
+        return hidden(self._pieces, eye, (entity.x, entity.y), height)
+
+    def draw_walls(self, snapshot: Snapshot, *, inside: bool, cut: frozenset[int] = frozenset()) -> None:
         """Draw walls at full height if this browser wants them or its camera is inside a room.
 
-        From inside, names are left to `InsideView`, and sensors and trails are hidden unless the user wants them.
+        From inside, sensors and trails are hidden unless the user wants them.
+
+        Args:
+            snapshot: The run.
+            inside: Whether the camera is inside a room.
+            cut: Parts of walls that are cut away, see `hiding`.
         """
         if inside != self._inside:
             self._inside = inside
             self._hide()
         whole = self.layers.full_walls or inside
-        wanted = (snapshot.revision, whole)
-        if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole):
+        wanted = (snapshot.revision, whole, cut)
+        if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole and not cut):
             return
         self._walls_of = wanted
         if self._walls is None:
             self._walls = Walls(self._client.scene, dark=self._dark)
         # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new map too.
-        self._walls.show(snapshot.floor, None if whole else HALF_HEIGHT)
+        self._walls.show(cut_away(snapshot.floor, cut), None if whole else HALF_HEIGHT)
 
     def _hide(self) -> None:
         for layer, node in LAYERS.items():
             shown = bool(getattr(self.layers, layer))
             if self._inside:
-                shown = shown and layer != "labels" and (self.layers.senses or layer not in SENSES)
+                shown = shown and (self.layers.senses or layer not in SENSES)
             if not shown and layer not in self.hidden:
                 self.hidden[layer] = self._client.scene.add_frame(node, show_axes=False, visible=False)
             elif layer in self.hidden:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import viser
@@ -22,8 +23,13 @@ from intellwheels_viewer.held_ghost import HeldGhost
 from intellwheels_viewer.inside_view import InsideView
 from intellwheels_viewer.layer_visibility import LayerVisibility
 from intellwheels_viewer.limited_worlds import LimitedWorlds, Worlds
+from intellwheels_viewer.own_drawings import OwnDrawings
+from intellwheels_viewer.page_arrival import PageArrival
+from intellwheels_viewer.page_link import PageLink, query_of
+from intellwheels_viewer.page_recording import PageRecording
 from intellwheels_viewer.page_rights import EVERYTHING, PageRights
 from intellwheels_viewer.page_title import PageTitle
+from intellwheels_viewer.page_window import THEMES, WIDTH, PageWindow, stored_theme
 from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
@@ -31,9 +37,12 @@ from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel, empty_scene_text
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import LayersPanel
+from intellwheels_viewer.panels.legend import legend_html
 from intellwheels_viewer.panels.page_keys import PageKeys
+from intellwheels_viewer.panels.page_shell import PageShell, Window, tools_html
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
+from intellwheels_viewer.panels.segments import Segments
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.placing_click import PlacingClick
 from intellwheels_viewer.pointer_hover import PointerHover
@@ -41,12 +50,12 @@ from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Driving, RequestQueue
 from intellwheels_viewer.undo import UndoStack
+from intellwheels_viewer.video_recording import VideoRecording
 
 if TYPE_CHECKING:
+    from intellwheels_viewer.html_recording import HtmlRecording
     from intellwheels_viewer.palette import Colours
 
-WIDTH: Final = 288
-"""Width of a panel in pixels: in a window of 1280 two panels leave more than half for the scene."""
 MODES: Final[dict[str, Mode]] = {
     "Free (O)": "free", "Plan (P)": "plan", "Follow selected (F)": "follow", "From the chair (H)": "first",
 }  # fmt: skip
@@ -64,7 +73,8 @@ class Page:
         network: Takes requests and inputs.
         colours: The colour of each agent.
         visit: How the browser has come, and what its user may do.
-        dark: Whether the building has the colours of the dark theme.
+        dark: Whether the viewer was told to use the dark theme.
+        recorder: Begins a recording; gets whether it is dark. Without it the page records nothing.
     """
 
     def __init__(
@@ -75,12 +85,14 @@ class Page:
         visit: PageRights = EVERYTHING,
         *,
         dark: bool = False,
+        recorder: Callable[[bool], HtmlRecording] | None = None,
     ) -> None:
         self._client, self._colours = client, colours
         self._visit = self._rights = visit
         self._network = network = LimitedWorlds(network, lambda: self._visit)
         # First, because it waits for the browser.
         self._layers = LayerVisibility(client, dark=dark)
+        theme = stored_theme(client)
         self._requests = RequestQueue(network, self._refused)
         self._driving = Driving(network, self._requests)
         self._snapshot = Snapshot()
@@ -97,10 +109,17 @@ class Page:
         self._notice = Notice(client.scene)
         self._framed = -1
         self.camera = Camera(client)
+        self._own = OwnDrawings(client, lambda: self.camera.picture)
+        self._recording = PageRecording(client, recorder, self._notify)
+        self._video = VideoRecording(client, self._notify)
+        self._arrival = PageArrival(self._notify)
+        self._side = client.gui.add_panel()
+        self._window = PageWindow(client, self.camera, self._side, dark=dark, theme=theme)
         self._build(client.gui)
 
     def close(self) -> None:
         """The browser has left."""
+        self._video.close()
         self._driving.close()
         self._requests.close()
 
@@ -113,6 +132,21 @@ class Page:
         """The choices of this browser that affect the drawing; a change redraws even a paused run."""
         return self.selected, self.camera.mode, self._layers.layers, self.camera.turning
 
+    @property
+    def shows_all_wedges(self) -> bool:
+        """Whether this browser shows, or records, the wedges of all agents."""
+        return self._layers.layers.all_wedges or self._recording.runs
+
+    @property
+    def records(self) -> bool:
+        """Whether this browser records."""
+        return self._recording.runs
+
+    def drawn(self, snapshot: Snapshot) -> None:
+        """Record the snapshot that was just drawn, if this browser records."""
+        self._recording.drawn(snapshot)
+        self._video.drawn(snapshot)
+
     # ------------------------------------------------------------ output, on the drawing thread
 
     def draw(self, snapshot: Snapshot) -> None:
@@ -122,9 +156,9 @@ class Page:
         entity = None if selected is None else snapshot.entity(selected)
         body = None if selected is None else snapshot.bodies.get(selected)
         with self._client.atomic():
-            layers, is_inside = self._layers.layers, self.camera.mode == "first"
+            layers, inside = self._layers.layers, entity if self.camera.mode == "first" else None
             # The own ring would be in the way of who looks down.
-            self._ring.show(None if body is None or is_inside else body.robot, entity)
+            self._ring.show(None if body is None or inside is not None else body.robot, entity)
             if body is not None:
                 self.camera.eye = eye_of(body.robot, layers.eye_height, layers.field_of_view)
             if entity is not None:
@@ -132,14 +166,12 @@ class Page:
             if snapshot.floor is not None and snapshot.revision != self._framed:
                 self._framed = snapshot.revision
                 self.camera.frame(snapshot.floor)
-            self._layers.draw_walls(snapshot, inside=is_inside)
-            self._inside.show(
-                snapshot,
-                entity if is_inside else None,
-                self.camera.eye,
-                full_walls=layers.full_walls,
-                labels=layers.labels,
-            )
+            cut: frozenset[int] = frozenset()
+            if self.camera.mode == "follow" and entity is not None and (picture := self.camera.picture) is not None:
+                cut = self._layers.hiding(snapshot, picture.position, entity)
+            self._layers.draw_walls(snapshot, inside=inside is not None, cut=cut)
+            self._own.seen = self._inside.show(snapshot, inside, self.camera.eye, full_walls=layers.full_walls)
+            self._own.draw(snapshot, selected, layers)
 
     def panels(self, snapshot: Snapshot) -> None:
         """Update the panels. Four or five times a second."""
@@ -161,7 +193,13 @@ class Page:
             self._plan.show(snapshot, choices, visible=self._layers.layers.plan)
             self._controls.show(snapshot, choices)
             self._title.show(snapshot)
+            self._shell.show(snapshot, choices)
+            self._tools.content = tools_html(recording=self._recording.runs, video=self._video.runs)
+            self._theme.show(self._window.theme)
             assign(self._views, LABELS[self.camera.mode])
+            # While the run stands, the camera may move.
+            self._own.label(snapshot, self.selected, self._layers.layers)
+        self._arrival.arrive(self, snapshot)
 
     def _choices(self) -> Choices:
         return Choices(
@@ -178,7 +216,8 @@ class Page:
 
     def _build(self, gui: viser.GuiApi) -> None:
         run = self._run_control
-        side = gui.add_panel()
+        self._shell = PageShell(gui, self._act, self._resized)
+        side = self._side
         side.dock_left()
         side.set_width(WIDTH)
         with side.add_tab("Run"):
@@ -196,6 +235,7 @@ class Page:
             )
             self._views: viser.GuiDropdownHandle[str] = gui.add_dropdown("Camera", tuple(MODES))
             updated(self._views, lambda word: self.look(MODES.get(word, "free")))
+            self._tools = gui.add_html(tools_html(recording=False))
             self._plan = PlanPanel(gui, on_select=self.select)
             self._events = EventsPanel(gui)
         gui.main_panel.dock_right()
@@ -205,11 +245,12 @@ class Page:
             self._agents = AgentsPanel(gui, on_select=self.select)
             self._selected = SelectedPanel(gui)
         with tabs.add_tab("Layers"):
+            self._theme = Segments(gui, "Theme", THEMES, self._window.choose)
             self._layers_panel = LayersPanel(
                 gui,
                 self._layers.layers,
                 self._layers.choose,
-                legend=f'<div style="padding:4px 10px">{wedges.legend()}{real_badge.legend()}</div>',
+                legend=legend_html(wedges.legend(), real_badge.legend()),
             )
         self._controls = ControlTabs(
             gui,
@@ -244,12 +285,9 @@ class Page:
         add("Stop placing", "escape", lambda: self._choose(None))
         add("Undo the last move", "Z", self._undo_newest)
         for label, mode in MODES.items():
-            add(f"Camera: {label[:-4].lower()}", label[-2], self._looker(mode))
+            add(f"Camera: {label[:-4].lower()}", label[-2], partial(self.look, mode))
         for digit in range(1, 10):
             add(f"Select agent {digit}", str(digit), self._selector(digit - 1))
-
-    def _looker(self, mode: Mode) -> Callable[[], None]:
-        return lambda: self.look(mode)
 
     def _selector(self, index: int) -> Callable[[], None]:
         def call() -> None:
@@ -324,6 +362,29 @@ class Page:
     def drag(self, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
         """Take one event of a drag that began on a body."""
         self._drag_move.drag(self._snapshot, name, event)
+
+    # ------------------------------------------------------------ the window, links and recordings
+
+    def _resized(self, window: Window) -> None:
+        self._window.changed(window)
+        self._arrival.read(window.query)
+
+    def _act(self, act: str) -> None:
+        if act == "pause":
+            self._toggle()
+        elif act == "record":
+            self._recording.toggle(dark=self._window.is_dark)
+        elif act == "video":
+            self._video.toggle()
+        elif act == "link":
+            picture = self.camera.picture
+            eye, to = (None, None) if picture is None else (picture.position, picture.look_at)
+            self._shell.copy_link(query_of(PageLink(self.camera.mode, self.selected, self._snapshot.tick, eye, to)))
+            self._notify("Link copied", "It is also in the address bar: this camera, selection and tick.")
+
+    def seek(self, tick: int) -> None:
+        """Move a playback to a tick."""
+        self._run_control.seek(tick)
 
     # ------------------------------------------------------------ notices
 

@@ -17,7 +17,7 @@ from intellwheels_viewer.drawings.extruded_walls import Walls
 from intellwheels_viewer.drawings.floor_plate import Floor
 from intellwheels_viewer.drawings.ghosts import Ghosts, reported
 from intellwheels_viewer.drawings.goals import Goals
-from intellwheels_viewer.drawings.labels import Labels
+from intellwheels_viewer.drawings.labels import Labels, tags
 from intellwheels_viewer.drawings.lidar_points import Lidars
 from intellwheels_viewer.drawings.trails import Trails
 from intellwheels_viewer.drawings.wedges import Wedges
@@ -26,20 +26,17 @@ from intellwheels_viewer.palette import Colours
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
 
-LAYERS: Final = {
-    "wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "labels": "/labels",
-    "goals": "/goals",
-}  # fmt: skip
-"""The node of each layer that a browser can hide."""
+LAYERS: Final = {"all_wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "goals": "/goals"}
+"""The node of each layer that a browser can hide. Labels and the wedges of the selection are a browser's own."""
 SKY: Final = (232, 236, 241)
 NIGHT: Final = (34, 37, 43)
 """Backgrounds of the light and the dark theme, sRGB."""
 FEW: Final = 100
 """Up to this many bodies the wedges of all are drawn; above it only those of selected ones."""
 MANY: Final = FEW // 3
-"""Above this many bodies only selected bodies have arcs, and labels and panels are updated less often."""
+"""Above this many bodies only selected bodies have arcs, and panels are updated less often."""
 SLOW_EVERY: Final = 0.2
-"""Simulated seconds between two updates of trails and, with many bodies, of labels."""
+"""Simulated seconds between two updates of trails and, with many bodies, of a recording's labels."""
 PERIOD: Final = 0.05
 """Seconds of a tick while the period is unknown, before the first tick."""
 
@@ -66,7 +63,7 @@ class Stage:
         scene.add_light_hemisphere("/lights/sky", intensity=2.0)
         scene.add_light_directional("/lights/sun", intensity=1.2, position=(-6.0, -9.0, 16.0), cast_shadow=True)
         scene.set_background_image(background(NIGHT if dark else SKY), format="png")
-        for name in LAYERS.values():
+        for name in (*LAYERS.values(), "/labels"):
             scene.add_frame(name, show_axes=False)
         self.colours = Colours()
         self._floor, self._walls = Floor(scene, dark=dark), Walls(scene, dark=dark)
@@ -75,15 +72,19 @@ class Stage:
         self._trails, self._goals = Trails(scene), Goals(scene)
         self._contacts, self._labels = Contacts(scene), Labels(scene)
         self._reported = Ghosts(scene, "/reported")
+        self._has_wedges = False
         self._revision = -1
         self._slow_at: tuple[str, float] = ("", -1.0)
 
-    def show(self, snapshot: Snapshot, wanted: Collection[str]) -> None:
+    def show(self, snapshot: Snapshot, wanted: Collection[str], *, wedges: bool = False, labels: bool = False) -> None:
         """Draw a snapshot in one frame.
 
         Args:
             snapshot: The run.
-            wanted: Agents that some browser has selected; their names and sensors are always drawn.
+            wanted: Agents that some browser has selected; their sensors are always drawn.
+            wedges: Whether some browser or a recording shows the wedges of all agents. A browser draws those of its
+                own selection itself.
+            labels: Whether a recording needs labels. A browser draws its own.
         """
         with self._server.atomic():
             if snapshot.floor is not None and snapshot.revision != self._revision:
@@ -94,15 +95,19 @@ class Stage:
             self._reported.show(reported(snapshot, self.colours))
             agents = watched(snapshot, wanted)
             many = len(snapshot.entities) > MANY
-            # The arc is three quarters of a wedge's data.
-            self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents, wanted if many else None)
+            if wedges or self._has_wedges:
+                shown = agents if wedges else frozenset()
+                arcs = wanted if many else None  # an arc is three quarters of a wedge's data
+                self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, shown, arcs)
+                self._has_wedges = wedges
             self._lidars.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents)
             self._contacts.show(snapshot.events, snapshot.tick, snapshot.period or PERIOD)
             self._goals.show(snapshot.entities, self.colours)
             run, at = self._slow_at
             is_due = snapshot.run != run or not at <= snapshot.time < at + SLOW_EVERY
-            if is_due or not many:
-                self._labels.show(snapshot.bodies, snapshot.entities, snapshot.utterances, snapshot.time, wanted)
+            if labels and (is_due or not many):
+                said = snapshot.utterances
+                self._labels.show(tags(snapshot.bodies, snapshot.entities, said, snapshot.time, wanted), None)
             if is_due:
                 self._slow_at = (snapshot.run, snapshot.time)
                 self._trails.show(snapshot.history, snapshot.time, self.colours)

@@ -69,6 +69,11 @@ class StateStore:
         return bool(self._run) and self._floor_of != self.map_in_use
 
     @property
+    def bodies(self) -> Mapping[str, Body]:
+        """The known bodies, by name."""
+        return self._bodies
+
+    @property
     def missing_bodies(self) -> frozenset[str]:
         """The agents in the state whose bodies are unknown."""
         return frozenset(entity.name for entity in self._entities) - self._bodies.keys()

@@ -24,6 +24,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys, Verb, parse_alive
 from intellwheels_schemas.link import Answer, Link, declare, open_session, query, tokens, watch_tokens
 from intellwheels_schemas.messages import (
+    AgentMeasures,
     Body,
     Clock,
     Event,
@@ -43,6 +44,7 @@ from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 from intellwheels_schemas.session_closing import close_session
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
+from intellwheels_viewer.crew_watch import measures_in, subscriptions
 from intellwheels_viewer.router_rights import RouterRights
 from intellwheels_viewer.run_guard import Dated, RunGuard
 from intellwheels_viewer.snapshot import Phase, Snapshot
@@ -79,6 +81,7 @@ class _World:
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
     reports: zenoh.Subscriber[None] | None = None
     watched: dict[str, zenoh.Subscriber[None]] = field(default_factory=dict)
+    shown: frozenset[str] = frozenset()
     users: dict[str, zenoh.Publisher] = field(default_factory=dict)
     heard: float = 0.0
     asked: float = 0.0
@@ -186,13 +189,14 @@ class Network:
         world, session = self._world, self._session
         if world is None or session is None:
             return
-        wanted = {"*"} if len(agents) > WATCHED_MOST else set(agents)
-        for name in world.watched.keys() - wanted:
+        wanted = subscriptions(world.keys, world.store.bodies, agents, WATCHED_MOST)
+        for name in world.watched.keys() - wanted.keys():
             world.watched.pop(name).undeclare()  # type: ignore[no-untyped-call]
-            world.store.forget([name])
-        for name in wanted - world.watched.keys():
-            key = f"{world.keys.prefix}out/*/measures" if name == "*" else world.keys.measures(name)
-            world.watched[name] = session.declare_subscriber(key, world.inbox.on_sample)
+        # A late message of an ended subscription would otherwise be kept forever.
+        world.store.forget(world.shown.difference(agents))
+        world.shown = frozenset(agents)
+        for name in wanted.keys() - world.watched.keys():
+            world.watched[name] = session.declare_subscriber(wanted[name], world.inbox.on_sample)
 
     @property
     def quiet(self) -> float:
@@ -256,6 +260,9 @@ class Network:
                 _deliver(MapInfo, put, store.on_map_info, world.guard)
             elif keys.parse_body(put.key) is not None:
                 _deliver(Body, put, store.on_body, world.guard)
+            elif keys.parse_crew_measures(put.key) is not None:
+                for agent, data in measures_in(put.data, put.encoding, world.shown):
+                    _deliver(AgentMeasures, put._replace(data=data), partial(store.on_measures, agent), world.guard)
             elif newest[put.key] != index:
                 continue
             elif put.key == keys.clock:
@@ -263,12 +270,9 @@ class Network:
                 _deliver(Clock, put, store.on_clock, world.guard)
             elif keys.parse_state(put.key) is not None:
                 _deliver(WorldState, put, store.on_state, world.guard)
-            elif (
-                (out := keys.parse_out(put.key)) is not None
-                and out.kind == "measures"
-                and _is_watched(world, out.agent)
-            ):
-                _deliver(Measures, put, partial(store.on_measures, out.agent), world.guard)
+            elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
+                if out.agent in world.shown or "*" in world.watched:
+                    _deliver(Measures, put, partial(store.on_measures, out.agent), world.guard)
             elif (report := keys.parse_in(put.key)) is not None and report.kind == "pose":
                 _deliver(Pose, put, partial(store.on_reported, report.agent))
 
@@ -377,11 +381,6 @@ class Network:
                 return
             self._tokens = watch_tokens(session, EVERY_ALIVE, self._presence)
             self._session = session
-
-
-def _is_watched(world: _World, agent: str) -> bool:
-    """Return whether measures are wanted. A late message of an ended subscription would otherwise be kept forever."""
-    return agent in world.watched or "*" in world.watched
 
 
 def _deliver(kind: type[_M], put: Put | Answer, take: Callable[[_M], None], guard: RunGuard | None = None) -> None:

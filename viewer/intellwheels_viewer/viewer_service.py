@@ -36,6 +36,8 @@ PANELS: Final = 0.22
 """Seconds of wall time between two updates of the panels."""
 PANELS_OF_MANY: Final = 0.5
 """The same with many bodies, whose table and plan are long."""
+PAGE_SECONDS: Final = 300.0
+"""Longest recording that a page makes, in simulated seconds."""
 SHUTDOWN_LIMIT: Final = 1.0
 """Seconds that all pages together have to release the bodies that they drive."""
 FAULTS_SHOWN: Final = 20
@@ -81,8 +83,7 @@ class Viewer:
     """
 
     def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:
-        self._stop, self._link, self._door = stop, link, options.door
-        self._dark = options.dark
+        self._stop, self._link, self._door, self._dark = stop, link, options.door, options.dark
         self.server = open_server(options.host, options.port, options.allowed)
         self.server.gui.configure_theme(
             show_logo=False,
@@ -138,9 +139,12 @@ class Viewer:
         wanted = {page.selected for page in pages.values() if page.selected is not None}
         # Even without a page: one that opens during a pause must show the measures from before it.
         self._network.watch(watched(snapshot, wanted))
-        self._guarded(self._stage.show, snapshot, wanted)
+        records = self._recording is not None or any(page.records for page in pages.values())
+        wedges = records or any(page.shows_all_wedges for page in pages.values())
+        self._guarded(lambda: self._stage.show(snapshot, wanted, wedges=wedges, labels=records))
         for page in pages.values():
             self._guarded(page.draw, snapshot)
+            self._guarded(page.drawn, snapshot)
         if self._recording is not None and self._recording.drawn(snapshot):
             self._stop.set()
 
@@ -179,7 +183,14 @@ class Viewer:
             rights = self._door.rights(admit(client, self.server))
         except KeyError:
             return  # it has left already
-        page = Page(client, self._network, self._stage.colours, rights, dark=self._dark)
+        page = Page(
+            client,
+            self._network,
+            self._stage.colours,
+            rights,
+            dark=self._dark,
+            recorder=lambda dark: HtmlRecording(self.server, PAGE_SECONDS, dark=dark),
+        )
         with self._lock:
             self._pages[client.client_id] = page
         if client.client_id not in self.server.get_clients():

@@ -30,8 +30,8 @@ examples:
       iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002 \\
           --pose corrected --fix-every 20 --fix-noise 0.05
 
-Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that covers the slowest tick of the
-other.
+Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that is longer than the slowest
+tick of the other.
 
 Standard output has lines that begin with one of these words:
     hardware                        the first reading of the chair has arrived
@@ -51,8 +51,8 @@ Standard output has lines that begin with one of these words:
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair
-On standard error, `erred code=late` says that a pose came more than a tick late and was not used. The next tick has
-another pose: a few of them, of a busy machine, do no harm. The line comes for the 1st, 10th, 100th of them.
+On standard error, `erred code=late` says that a pose came more than a tick late and was not used; it is printed for
+the 1st, 10th, 100th, ... of them. On a busy machine a few do no harm, as the next tick has another pose.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The driver serial needs the extra `bridge`, luci the
 extra `luci`, and rnet the extra `rnet`.
 """

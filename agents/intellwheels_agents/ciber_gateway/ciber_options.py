@@ -24,7 +24,7 @@ examples:
       iw-ciber
       ./robsample --host localhost          (or any other agent)
       Viewer                                (or iw-viewer, to see it in a browser)
-  a lockstep that waits for what the agents answer
+  a lockstep run that waits for the answers of the agents
       iw-server --map MyLab.xml --pace lockstep
       iw-ciber --await 2
   without noise
@@ -32,8 +32,8 @@ examples:
 
 A unit of a lab is 1 m. Robots start at the places of the map that have no kind, or the kind robot. The Id that an
 agent asks for is the number of its place in their order. Beacons are the places of kind beacon, targets the zones.
-A cycle is a tick, and lasts 50 ms with the simulator's default period. With a shorter one, give --option
-TopSpeed=V with V at least 0.15 m divided by the period in s, or the largest powers are reduced.
+A cycle is a tick, and lasts 50 ms with the simulator's default period. With a shorter period, use
+--option TopSpeed=V with V at least 0.15 m divided by the period in s; otherwise the largest powers are reduced.
 
 A robot that meets an obstacle slides along it; in the Ciber-Rato simulator it only turned.
 In the Ciber-Rato simulator a robot heard itself, and its GPS had a random origin; here neither is so. Scores are not

@@ -225,8 +225,8 @@ def _add_stream_options(result: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--threshold", type=_of(parse_threshold), default=(0.5, 0.5), metavar="ON[,OFF]",
-        help="value from which a command is on, and value, at most ON, below which it is off again (default: 0.5; OFF "
-        "as ON)",
+        help="a command is on from the value ON, and off again below the value OFF, which is at most ON (default: 0.5; "
+        "OFF equal to ON)",
     )  # fmt: skip
     group.add_argument(
         "--dead-zone", type=number("a share", 0.0, 0.9), default=DEAD_ZONE, metavar="SHARE",

@@ -5,8 +5,8 @@
     stop     distance ahead at which it turns in place, m; less than clear (default 0.5)
 
 The cones of the included chairs do not cover the bearings from 15 to 30 degrees on either side, and do not tell where
-in a cone an object is. So the mind adds a 360-degree lidar to the robot, at the height of its own sensors, and uses it
-alone. If another process provides the body and it has no such lidar, the mind uses the robot's proximity sensors. It is
+in a cone an object is. So the mind adds a 360-degree lidar at the height of the robot's own sensors, and uses only this
+lidar. If another process provides the body, and the body has no such lidar, the mind uses its proximity sensors. It is
 then blind between their cones, and treats an obstacle as if it could be anywhere on the arc at the measured distance.
 
 It never gives a command after which it could not stop in time. It drives ahead and bends away from what is near. In

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any, Final, Protocol
 
+from intellwheels_agents.record_gateway.crew_records import each_alone
 from intellwheels_agents.record_gateway.translator import Entry, Translator
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encoding_of
@@ -68,7 +69,7 @@ class WorldSource:
         keys, session = self._keys, self._session
         expressions = (
             keys.every_state, keys.every_body, keys.map, keys.event, keys.clock, f"{keys.prefix}out/*/*",
-            keys.every_in, keys.every_user,
+            keys.every_in, keys.every_user, keys.every_crew_measures, f"{keys.prefix}crew/*/actions",
         )  # fmt: skip
         for expression in expressions:
             self._stack.enter_context(session.declare_subscriber(expression, self.inbox.on_sample))
@@ -127,9 +128,10 @@ class WorldSource:
         yield from (answer for answer in answers if answer.ok)
 
     def _take(self, key: str, data: bytes, encoding: str) -> None:
-        self._record(self._translator.take(key, data, encoding))
-        for other in self._others:
-            other.take(key, data, encoding)
+        for own, alone in each_alone(self._keys, key, data, encoding):
+            self._record(self._translator.take(own, alone, encoding))
+            for other in self._others:
+                other.take(own, alone, encoding)
 
     def _record(self, entries: list[Entry]) -> None:
         for entry in entries:

@@ -24,6 +24,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from intellwheels_experiments.batch.batch_parts import WHOLE
+from intellwheels_experiments.batch.cluster_batch import run_on_cluster
 from intellwheels_experiments.batch.collect_runs import collect_runs
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.findings import counted
@@ -130,9 +131,14 @@ def _make_runs(batch: Batch, scene: Scene, console: Console, stop: threading.Eve
                 left = remaining(printed - begun, done - (total - pending), total - done)
                 console.print(f"progress done={done} of={total} remaining={left}", highlight=False)
             if run.died:
-                console.print(f"died row={run.row} seed={run.seed} why={run.died}", markup=False, highlight=False)
+                console.print(
+                    f"died row={run.row} seed={run.seed} why={run.died}", markup=False, highlight=False, soft_wrap=True
+                )
 
-        run_batch(batch, on_run, stop)
+        if batch.cluster is None:
+            run_batch(batch, on_run, stop)
+        else:
+            run_on_cluster(batch, batch.cluster, on_run, stop)
 
 
 def remaining(seconds: float, made: int, pending: int) -> str:

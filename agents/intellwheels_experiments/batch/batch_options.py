@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ from intellwheels_schemas.command_parser import readable_file, whole
 
 LINES_HELP: Final = """
 a batch's lines, where standard output is no terminal:
-  progress  how many runs are done, and how long the others take, as hours:minutes:seconds
+  progress  how many runs are done, and how long the rest will take, as hours:minutes:seconds
   row       succeeded, and low and high: the 95 % interval of the success rate (Wilson); died: runs that ended early;
             missing: runs that were not made
   compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found says
@@ -22,6 +23,21 @@ a batch's lines, where standard output is no terminal:
 """What the lines mean, for the help of the command."""
 MOST_RUNS: Final = 100_000
 """Largest number of --seeds and --jobs."""
+_ADDRESS: Final = re.compile(r"(?:(?:tcp|tls)://)?(?:\[[0-9a-fA-F:]+\]|[\w.-]+):([1-9]\d{0,4})")
+
+
+def scheduler_address(text: str) -> str:
+    """Return the address of a Dask scheduler, such as `tcp://head:8786`, from its text. For argparse.
+
+    Raises:
+        argparse.ArgumentTypeError: The text is no address with a port.
+    """
+    found = _ADDRESS.fullmatch(text)
+    if found is None or int(found[1]) > 65535:
+        raise argparse.ArgumentTypeError(
+            f"expected HOST:PORT, such as head:8786, or tcp:// or tls:// before it, got {text!r}"
+        )
+    return text if "://" in text else f"tcp://{text}"
 
 
 def add_batch_options(parser: argparse.ArgumentParser) -> None:
@@ -59,6 +75,12 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
     batch.add_argument(
         "--merge", type=Path, metavar="DIR", action="append", default=[],
         help="do no runs, but copy those of another part's folder into --out, and write the report; may be repeated",
+    )  # fmt: skip
+    batch.add_argument(
+        "--cluster", type=scheduler_address, metavar="ADDRESS",
+        help="make the runs on the workers of the Dask scheduler at this address, such as tcp://host:8786, as many at "
+        "a time as the workers have threads; anyone who can reach a scheduler can run programs on its workers, so keep "
+        "it in a network that you trust",
     )  # fmt: skip
     branch = parser.add_argument_group(
         "branch",

@@ -46,6 +46,7 @@ class Batch:
         timeout: Seconds of wall time that a run may take.
         say: Tells people why a simulator is not ready yet.
         part: The share of the runs that is made here.
+        cluster: The address of the Dask scheduler whose workers make the runs; None to make them on this machine.
     """
 
     rows: tuple[Row, ...]
@@ -59,6 +60,7 @@ class Batch:
     timeout: float
     say: Callable[[str], None] = lambda _: None
     part: Part = WHOLE
+    cluster: str | None = None
 
 
 def runs_of_part(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
@@ -105,7 +107,7 @@ def run_batch(batch: Batch, on_run: Callable[[StoredRun], None], stop: threading
                     row, seeds = pending.popleft()
                 except IndexError:
                     return
-                _run_seeds(batch, row, seeds, on_run, stop)
+                run_seeds(batch, row, seeds, on_run, stop)
         except StoppedError:
             return
         except BaseException as error:
@@ -120,9 +122,21 @@ def run_batch(batch: Batch, on_run: Callable[[StoredRun], None], stop: threading
         raise failures[0]
 
 
-def _run_seeds(
+def run_seeds(
     batch: Batch, row: Row, seeds: Sequence[str], on_run: Callable[[StoredRun], None], stop: threading.Event
 ) -> None:
+    """Run seeds of a row one after the other and store the runs.
+
+    Args:
+        batch: The batch. Where runs are stored, and what they need.
+        row: The row.
+        seeds: The seeds; one only if the row varies something by seed.
+        on_run: Called with each run that finished or died.
+        stop: Set from outside to abort.
+
+    Raises:
+        StoppedError: `stop` was set.
+    """
     remaining = deque(seeds)
     while remaining:
         with scratch_folder(batch.out, "worker") as scratch:

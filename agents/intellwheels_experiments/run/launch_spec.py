@@ -52,6 +52,7 @@ class LaunchSpec:
         log: The input log that the simulator writes, or None.
         timeout: Seconds of wall time after which the run is aborted.
         view: The port of the viewer's page, 0 for any free port; None for no viewer.
+        dark: Whether that page uses the dark theme.
         laboratory: The endpoint at which the laboratory listens, for a scene with bridges.
     """
 
@@ -70,6 +71,7 @@ class LaunchSpec:
     log: Path | None = None
     timeout: float = WALL_LIMIT
     view: int | None = None
+    dark: bool = False
     laboratory: str = ""
 
     @property
@@ -121,6 +123,8 @@ class LaunchSpec:
     def viewer_command(self, lifeline: int) -> list[str]:
         """Return the viewer's command."""
         arguments = ["--port", str(self.view or 0), *self._link_arguments((), self.meeting)]
+        if self.dark:
+            arguments += ["--dark"]
         return [*PYTHON, "-m", "intellwheels_viewer", *arguments, "--lifeline", str(lifeline)]
 
     def _agent_arguments(self, lifeline: int) -> list[str]:

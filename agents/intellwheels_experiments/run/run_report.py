@@ -20,7 +20,7 @@ Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"
 
 LINES_HELP: Final = """
 a run's lines, where standard output is no terminal (on a terminal a table has the same, with `turned` in degrees):
-  agent    for each agent: place, its goal; reached, whether it got there; distance, what was left to it; contacts,
+  agent    for each agent: place, its goal; reached, whether it got there; distance, how far it still was; contacts,
            their number; path, its length; age, the mean age of its commands, 0 in lockstep; turned_deg, the largest
            angle from its first heading; `-` where a value does not apply
   run      ticks and time are simulated, wall is real; factor is time / wall; late counts ticks that began too late

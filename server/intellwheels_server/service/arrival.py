@@ -10,17 +10,17 @@ from intellwheels_schemas.codec import Encoding, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Record, Result, Role
 
-PutKind = Literal["actions", "say", "pose", "user", "stray"]
-"""What a message is. A stray one is on a key that is none of an agent's."""
+PutKind = Literal["actions", "say", "pose", "user", "crew", "stray"]
+"""What a message is. Those of a crew are its actions. A stray one is on a key that is none of an agent's."""
 
-Topic = Literal["join", "leave", "ctl", "map", "event", "body", "state", "clock"]
+Topic = Literal["join", "leave", "crew-join", "crew-leave", "ctl", "map", "event", "body", "state", "clock"]
 
 
 class Put(NamedTuple):
     """A message on a key that agents or users write.
 
     Attributes:
-        agent: The agent in the key; empty for a stray message if that is no name.
+        agent: The agent or the crew in the key; empty for a stray message if that is no name.
         kind: Which of its keys.
         data: The payload; empty if it was too long to keep.
         encoding: Zenoh's encoding, as text.
@@ -37,11 +37,18 @@ class Put(NamedTuple):
 
 
 class Token(NamedTuple):
-    """A liveliness token of one role of an agent appeared or disappeared."""
+    """A liveliness token of one role of an agent appeared or disappeared.
+
+    Attributes:
+        agent: The agent.
+        role: The role.
+        presence: The instance, and the crew if there is one, as `roster.presence_of` returns it.
+        present: Whether it appeared.
+    """
 
     agent: str
     role: Role
-    instance: str
+    presence: str
     present: bool
 
 
@@ -51,7 +58,7 @@ class Query:
 
     Attributes:
         topic: The subject of the query.
-        name: The agent or verb in the key; empty if the key has none or an invalid one.
+        name: The agent, crew or verb in the key; empty if the key has none or an invalid one.
         agent: The agent that a control verb is about, if its key names one.
         data: The payload.
         encoding: Zenoh's encoding of the payload, as text. Replies use it too.

@@ -10,6 +10,7 @@ from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Record
 from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, Token, Topic
+from intellwheels_server.service.roster import presence_of
 
 MAX_KEYS: Final = 4_096
 """Keys whose parts are remembered."""
@@ -41,7 +42,9 @@ class ArrivalReader:
             return self._query(arrival)
         if isinstance(arrival, zenoh_inbox.Presence):
             token = self._keys.parse_token(arrival.key)
-            return Token(token.agent, token.role, token.instance, arrival.alive) if token else None
+            if token is None:
+                return None
+            return Token(token.agent, token.role, presence_of(token.instance, token.crew), arrival.alive)
         target = self._put_target(arrival.key)
         return Put(target[0], target[1], b"", "", arrival.length) if target else self._stray(arrival.key)
 
@@ -63,6 +66,8 @@ class ArrivalReader:
             found = (put.agent, put.kind)
         elif (user := self._keys.parse_user(key)) is not None:
             found = (user, "user")
+        elif (crew := self._keys.parse_crew(key)) is not None:
+            found = (crew, "crew")
         if found is None:
             return None  # not remembered: an unknown key may be 64 kB long
         if len(self._known) >= MAX_KEYS:
@@ -76,6 +81,8 @@ class ArrivalReader:
         served = arrival.served or arrival.key
         chunk = served.removeprefix(keys.prefix).partition("/")[0]
         topic = TOPICS.get(chunk) if served.startswith(keys.prefix) else None
+        if chunk == "crew" and served.startswith(keys.prefix):
+            topic = TOPICS.get(f"crew-{served.rpartition('/')[2]}")
         if topic is None:
             arrival.close()
             return None
@@ -84,6 +91,9 @@ class ArrivalReader:
             name = keys.parse_join(arrival.key) or ""
         elif topic == "leave":
             name = keys.parse_leave(arrival.key) or ""
+        elif topic in ("crew-join", "crew-leave"):
+            asked = keys.parse_crew_query(arrival.key)
+            name = asked.crew if asked is not None else ""
         elif topic == "ctl" and (control := keys.parse_ctl(arrival.key)) is not None:
             name, agent = control
         return Query(

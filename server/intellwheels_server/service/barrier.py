@@ -11,10 +11,14 @@ from collections.abc import Iterable
 from typing import Final, Literal
 
 from intellwheels_schemas.file_records import Verdict
+from intellwheels_schemas.messages import Actions
 
 AnswerKind = Literal["actions", "pose"]
 Answer = tuple[str, AnswerKind]
 """An agent, and the kind of message expected of it."""
+
+Answered = bytes | Actions
+"""An answer, to be compared with a second one to the same tick: its bytes, or the actions of an agent of a crew."""
 
 AnswerResult = Literal["first", "duplicate", "conflict"]
 """Kinds of answer: the first one, which counts; the same bytes again; other bytes after the first one."""
@@ -40,8 +44,8 @@ class Barrier:
         self.strict = strict
         self.deadline = deadline
         self._awaited: set[Answer] = set()
-        self._answers: dict[Answer, bytes] = {}
-        self._before: dict[Answer, bytes] = {}
+        self._answers: dict[Answer, Answered] = {}
+        self._before: dict[Answer, Answered] = {}
         self._misses: dict[str, int] = {}
         self._rested: set[str] = set()
         self._verdicts: list[Verdict] = []
@@ -70,7 +74,7 @@ class Barrier:
         self._repeat_after = FIRST_REPEAT
         self._repeat_at = now + FIRST_REPEAT
 
-    def answer(self, agent: str, kind: AnswerKind, data: bytes) -> AnswerResult:
+    def answer(self, agent: str, kind: AnswerKind, data: Answered) -> AnswerResult:
         """Take a member's answer to the open tick and return whether it is the first one."""
         key = (agent, kind)
         earlier = self._answers.get(key)
@@ -84,11 +88,11 @@ class Barrier:
             self._misses.pop(agent, None)
         return "first"
 
-    def repeats(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
+    def repeats(self, agent: str, kind: AnswerKind, data: Answered) -> bool:
         """Return whether the answer to this tick has exactly these bytes: the agent got its measures twice."""
         return self._answers.get((agent, kind)) == data
 
-    def repeats_late(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
+    def repeats_late(self, agent: str, kind: AnswerKind, data: Answered) -> bool:
         """Return whether a late message repeats the last answer that counted: the agent got its measures twice.
 
         Not for messages without a tick: there, equal bytes may be the answers to successive ticks.

@@ -40,6 +40,7 @@ class CommandAges:
         # A sum of periods may be a little more than the time that is meant.
         self._limit = int(defaults.LATE_COMMAND / period + 1e-9)
         self._of: dict[str, _Commands] = {}
+        self._late: set[str] = set()
 
     def check_late(self, agent: str, actions: Actions, run: str, tick: int) -> Fault | None:
         """Return what is wrong with actions that answer an earlier tick, or None if they still count.
@@ -71,23 +72,28 @@ class CommandAges:
         if answered >= commands.tick:
             commands.tick, commands.seq = answered, actions.seq
         commands.count += 1
-        commands.ages += tick - answered
+        if tick != answered:
+            commands.ages += tick - answered
+            self._late.add(agent)
 
     def means(self) -> dict[str, float]:
         """Return the mean age of the commands of each slow agent, s, rounded to 1e-6.
 
         An agent whose commands are late now and then is not slow: the mean is at least half a tick.
         """
+        late = ((agent, self._of[agent]) for agent in self._late)
         return {
             agent: round(commands.ages / commands.count * self._period, 6)
-            for agent, commands in self._of.items()
+            for agent, commands in late
             if 2 * commands.ages >= commands.count
         }
 
     def forget(self, agent: str) -> None:
         """Forget an agent whose body is gone."""
         self._of.pop(agent, None)
+        self._late.discard(agent)
 
     def clear(self) -> None:
         """Forget everything, for a new run."""
         self._of.clear()
+        self._late.clear()

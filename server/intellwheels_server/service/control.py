@@ -41,7 +41,7 @@ from intellwheels_schemas.messages import (
     Take,
     Teleport,
 )
-from intellwheels_server.service import joining, outbound, saved_states
+from intellwheels_server.service import body_places, joining, outbound, saved_states
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.error_replies import DELETED
 from intellwheels_server.service.floor_queue import MAX_LOADS
@@ -255,7 +255,7 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
         return
     # An operator may put a body anywhere. One that goes to any place leaves those of the scene's agents free.
     anywhere = message.position is None and message.robot.position is None and message.robot.place is None
-    reserved = joining.reserved_places(service) if anywhere else ()
+    reserved = body_places.reserved_places(service) if anywhere else ()
     outcome = service.apply(SpawnBody(robot=message.robot, position=message.position, reserved=reserved))
     if outcome.code == "ok" and name is not None:
         outbound.publish_body(service, name)

@@ -19,7 +19,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_schemas.metal_codes import is_genuine, pose_line
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
-from intellwheels_server.service.barrier import AnswerKind
+from intellwheels_server.service.barrier import Answered, AnswerKind
 from intellwheels_server.service.command_ages import has_command
 from intellwheels_server.service.error_replies import DELETED, Fault
 from intellwheels_server.service.input_latch import check_time
@@ -50,7 +50,7 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
     try:
         encoding = encoding_of(put.encoding, put.data)
         if kind == "actions":
-            fault = _take_actions(service, agent, decode(Actions, put.data, encoding), put.data, now)
+            fault = take_actions(service, agent, decode(Actions, put.data, encoding), put.data, now)
         elif kind == "pose":
             fault = _take_pose(service, agent, decode(Pose, put.data, encoding), put.data, now)
         elif kind == "say":
@@ -63,7 +63,16 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
         send_error(service, agent, fault, now)
 
 
-def _take_actions(service: ServiceState, agent: str, actions: Actions, data: bytes, now: float) -> Fault | None:
+def take_actions(service: ServiceState, agent: str, actions: Actions, data: Answered, now: float) -> Fault | None:
+    """Take the actions of an agent, and return what is wrong with them.
+
+    Args:
+        service: The service.
+        agent: The agent.
+        actions: Its actions.
+        data: What is compared with a second answer to the same tick.
+        now: The current time, s.
+    """
     roster, state, barrier = service.agents.roster, service.run.state, service.pacing.barrier
     member = roster.mind(agent)
     fault = _check_session(service, agent, member, actions.session, "Actions")
@@ -131,7 +140,7 @@ def _check_session(
     return fault
 
 
-def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
+def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: Answered, where: str) -> Fault | None:
     """Give a message to the barrier, if it expects one from this agent; return the fault of a second answer."""
     if not pacing.barrier_open or (agent, kind) not in pacing.answers:
         return None  # the barrier is closed: no measures were sent yet, or all their answers have come

@@ -1,7 +1,8 @@
-"""Joins, leaves and liveliness tokens, and everything that follows from them."""
+"""Joins and leaves, and everything that follows from them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
@@ -9,21 +10,21 @@ import msgspec
 
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
-from intellwheels_schemas.file_records import Depart, Join, Note, TakeBody
-from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Parameters, Position, Refused, RefusedCode, Robot
+from intellwheels_schemas.file_records import Depart, Join, Note
+from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Position, Refused, RefusedCode, Robot
 from intellwheels_schemas.metal_codes import new_key
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
-from intellwheels_server.service.arrival import Query, Token
-from intellwheels_server.service.connected_agents import BridgeStatus, WaitingJoin
+from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.body_places import body_join, bridge_status, is_unowned, named, position_of
+from intellwheels_server.service.connected_agents import WaitingJoin
 from intellwheels_server.service.error_replies import Fault
-from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
+from intellwheels_server.service.roster import MAX_BODIES, Member, Roster, is_return, new_hex, role_text, same_body
 from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.start_report import report_joined
 from intellwheels_server.service.truth_filter import nominal
-from intellwheels_server.world import State
-from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.sensors import rays_of
 
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels separately."""
@@ -33,7 +34,7 @@ MAX_WAITING: Final = 256
 
 NAME_EXPECTED: Final = "expected a name: a-z, then a-z 0-9 _ -, at most 32"
 
-_REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
+REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "field": "field",
     "value": "value",
     "malformed": "value",
@@ -43,64 +44,6 @@ _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "too-many": "limit",
 }
 """The code of a refused join if its robot cannot be read."""
-
-# ------------------------------------------------------------ tokens and deadlines
-
-
-def take_token(service: ServiceState, token: Token, now: float) -> None:
-    """Note that a liveliness token appeared or disappeared."""
-    member = service.agents.roster.token(token.agent, token.role, token.instance, token.present, now)
-    if member is not None:
-        code = "returned" if token.present else "lost"
-        service.publisher.outlet.log_line(f"{code} agent={member.agent} role={member.role}")
-        service.queue_change(partial(_note_presence, service, member, token.present))
-    if token.present and service.agents.waiting_joins:
-        _recheck_waiting_joins(service)
-
-
-def _note_presence(service: ServiceState, member: Member, present: bool, _now: float) -> None:
-    if member in service.agents.roster.members(member.agent):
-        service.apply(Note(code="returned" if present else "lost", agent=member.agent, text=_role_text(member)))
-
-
-def _role_text(member: Member) -> str | None:
-    return None if member.role == "both" else member.role
-
-
-def _recheck_waiting_joins(service: ServiceState) -> None:
-    agents = service.agents
-    still: list[WaitingJoin] = []
-    for join in agents.waiting_joins:
-        if _has_token(agents.roster, join.query.name, join.robot):
-            service.queue_change(partial(_join, service, join.query, join.robot, join.encoding))
-        else:
-            still.append(join)
-    agents.waiting_joins = still
-
-
-def handle_deadlines(service: ServiceState, now: float) -> None:
-    """Handle joins whose token did not come, members whose grace time is over, and leases that ran out."""
-    agents, pacing = service.agents, service.pacing
-    if agents.waiting_joins and agents.waiting_joins[0].until <= now:
-        _recheck_waiting_joins(service)
-    # A join without its token is refused. That changes nothing, so it need not wait for a barrier, and a flood of such
-    # joins cannot pile up there.
-    for join in [waiting for waiting in agents.waiting_joins if waiting.until <= now]:
-        agents.waiting_joins.remove(join)
-        _join(service, join.query, join.robot, join.encoding, now)
-    for member in agents.roster.lost(now, service.options.grace):
-        member.absent_since = None  # so that it is handled once
-        if pacing.strict and pacing.lockstep and member.answers() and not service.is_stopped():
-            service.end_for_missed_answer(member.agent)
-        queue_leave(service, member)
-    for agent in agents.leases.take_expired(now):
-        service.queue_change(partial(_release, service, agent))
-
-
-def _release(service: ServiceState, agent: str, _now: float) -> None:
-    if agent in service.run.state.body_set.models and service.agents.leases.active(agent) is None:
-        service.apply(TakeBody(agent=agent, on=False))
-
 
 # ------------------------------------------------------------ joins
 
@@ -117,50 +60,149 @@ def handle_join(service: ServiceState, query: Query, now: float) -> None:
         encoding = encoding_of(query.encoding, query.data)
         robot = decode(Robot, query.data, encoding)
     except WireError as error:
-        query.refuse(Refused(code=_REFUSED.get(error.code, "value"), text=error.text[:1000]))
+        query.refuse(Refused(code=REFUSED.get(error.code, "value"), text=error.text[:1000]))
         return
-    if not _has_token(service.agents.roster, query.name, robot):
+    if not has_token(service.agents.roster, query.name, robot):
         if len(service.agents.waiting_joins) < MAX_WAITING:
             service.agents.waiting_joins.append(WaitingJoin(query, robot, encoding, now + TOKEN_WAIT))
         else:
-            _join(service, query, robot, encoding, now)
+            join(service, query, robot, encoding, now)
         return
-    service.queue_change(partial(_join, service, query, robot, encoding))
+    queue_join(service, query, robot, encoding)
 
 
-def _has_token(roster: Roster, agent: str, robot: Robot) -> bool:
+def has_token(roster: Roster, agent: str, robot: Robot) -> bool:
+    """Return whether the token of the agent that sent a robot is present."""
     instance = robot.instance or roster.only_instance(agent, robot.role)
     return instance is not None and roster.has_token(agent, robot.role, instance)
 
 
-def _join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding, now: float) -> None:
+class JoinGroup:
+    """Joins that wait next to each other in the queue of changes, and are taken together."""
+
+    def __init__(self, service: ServiceState) -> None:
+        self.joins: list[tuple[Query, Robot, Encoding]] = []
+        self._service = service
+
+    def __call__(self, now: float) -> None:
+        """Take them, in order: free names with one change of the bodies, all others one by one."""
+        service, together = self._service, _Together(self._service)
+        for query, robot, encoding in self.joins:
+            if not together.add(query, robot, encoding):
+                together.make(now)
+                if not together.add(query, robot, encoding):
+                    join(service, query, robot, encoding, now)
+        together.make(now)
+
+
+class _Together:
+    """Agents with free names, whose bodies are put into the world at once."""
+
+    def __init__(self, service: ServiceState) -> None:
+        self._service = service
+        self._members: dict[str, tuple[Query, Member]] = {}
+        self._rays = 0.0
+
+    def add(self, query: Query, robot: Robot, encoding: Encoding) -> bool:
+        """Take an agent in and return True, unless it has to be handled by itself, or after the others."""
+        service, agent = self._service, query.name
+        roster, models = service.agents.roster, service.run.state.body_set.models
+        if robot.role == "mind" or agent in models or agent in roster or agent in self._members:
+            return False
+        if len(models) + len(self._members) >= MAX_BODIES:
+            return False
+        try:
+            member, _ = _checked(service, query, robot, encoding, self._rays)
+        except RequestRefusedError:
+            return False
+        self._members[agent] = query, member
+        self._rays += rays_of(robot)
+        return True
+
+    def make(self, now: float) -> None:
+        """Let them join and answer them."""
+        service, members = self._service, self._members
+        if not members:
+            return
+        self._members, self._rays = {}, 0.0
+        outcomes = service.apply_all([body_join(service, member) for _, member in members.values()])
+        joined = []
+        for (query, member), outcome in zip(members.values(), outcomes, strict=True):
+            if outcome.code == "ok":
+                service.agents.roster.add(member)
+                joined.append((query, member, outcome.position or position_of(service.run.state, member.agent)))
+            else:
+                refuse(service, query, member.robot, RequestRefusedError(outcome.refused or "value", outcome.text))
+        _update_members(service, [member.agent for _, member, _ in joined])
+        for query, member, position in joined:
+            query.reply(_enter(service, member, None, position, now))
+
+
+def queue_join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding) -> None:
+    """Let an agent join as soon as changes may act, together with those that wait next to it."""
+    last = service.last_queued
+    if not isinstance(last, JoinGroup):
+        last = JoinGroup(service)
+        service.queue_change(last)
+    last.joins.append((query, robot, encoding))
+
+
+def refuse(service: ServiceState, query: Query, robot: Robot, refusal: RequestRefusedError) -> None:
+    """Refuse a join, and say so in the log."""
+    service.publisher.outlet.log_line(f"refused agent={query.name} role={robot.role} code={refusal.code}")
+    query.refuse(Refused(code=refusal.code, text=refusal.text[:1000]))
+
+
+def join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding, now: float) -> None:
+    """Let an agent join now and answer it."""
     try:
-        joined = _admit(service, query.name, robot, encoding, query.parameters.get("session"), now)
+        joined = _admit(service, query, robot, encoding, now)
     except RequestRefusedError as refusal:
-        service.publisher.outlet.log_line(f"refused agent={query.name} role={robot.role} code={refusal.code}")
-        query.refuse(Refused(code=refusal.code, text=refusal.text[:1000]))
+        refuse(service, query, robot, refusal)
         return
     query.reply(joined)
 
 
-def _admit(
-    service: ServiceState, agent: str, robot: Robot, encoding: Encoding, session: str | None, now: float
-) -> Joined:
+def _admit(service: ServiceState, query: Query, robot: Robot, encoding: Encoding, now: float) -> Joined:
     """Let an agent join and return the reply.
 
     Raises:
         RequestRefusedError: It may not join.
     """
+    agent = query.name
+    member, current = _checked(service, query, robot, encoding)
+    position = _give_body(service, member, current)
+    service.agents.roster.add(member)
+    _update_members(service, (agent,))
+    return _enter(service, member, current, position, now)
+
+
+def _checked(
+    service: ServiceState, query: Query, robot: Robot, encoding: Encoding, waiting: float = 0.0
+) -> tuple[Member, Member | None]:
+    """Return an agent as a member, and the member that it replaces.
+
+    Args:
+        service: The service.
+        query: How it asked: by itself or with its crew, and with its earlier session or without.
+        robot: What it sent.
+        encoding: The encoding of what it sent.
+        waiting: Rays per tick of those that join together with it.
+
+    Raises:
+        RequestRefusedError: It may not join.
+    """
+    agent, session = query.name, query.parameters.get("session")
+    crew = (robot.crew or "") if query.topic == "crew-join" else ""
     agents, pacing = service.agents, service.pacing
     if robot.format is not None:
         raise RequestRefusedError("field", "Robot.Format: expected none in a join; it belongs to files")
-    if robot.crew is not None:
-        raise RequestRefusedError("value", "Robot.Crew: crews are not supported; join each body by itself")
+    if robot.crew != (crew or None):
+        raise RequestRefusedError("value", f"Robot.Crew: expected none in join/{agent}; crews join at crew/<crew>/join")
     if robot.instance is None:
         robot = msgspec.structs.replace(robot, instance=agents.roster.only_instance(agent, robot.role))
-    current = agents.roster.predecessor(agent, robot, session)
+    current = agents.roster.predecessor(agent, robot, session, crew)
     model = service.run.state.body_set.models.get(agent)
-    keeps_body = current is not None and model is not None and same_body(current.robot, robot)
     if robot.role == "mind":
         if model is None:
             raise RequestRefusedError("no-body", f"agent '{agent}' has no body here yet; join again when it has")
@@ -168,7 +210,7 @@ def _admit(
     else:
         body = robot
         _check_real(service, robot)
-        check_sensor_budget(service, agent, robot)
+        check_sensor_budget(service, agent, robot, waiting)
     barrier = robot.barrier if robot.barrier is not None else has_motors(body)
     if barrier and pacing.pace == "free" and not service.options.open_loop:
         raise RequestRefusedError(
@@ -185,24 +227,27 @@ def _admit(
         real=body.type == "real",
         simulated_hardware=body.hardware == "simulated",
         barrier=barrier,
+        crew=crew,
     )
-    returns = current is not None and current.instance == member.instance
     if member.real and member.has_body:
-        member.key = current.key if returns and current is not None and current.key else new_key()
-    position = _give_body(service, member, current, keeps_body)
-    agents.roster.add(member)
+        member.key = current.key if current is not None and is_return(current, member) and current.key else new_key()
+    return member, current
+
+
+def _enter(service: ServiceState, member: Member, current: Member | None, position: Position, now: float) -> Joined:
+    """Let a member take part that has its body and is in the roster; return the reply."""
+    agent, agents, pacing = member.agent, service.agents, service.pacing
     agents.deleted.pop(agent, None)
     pacing.barrier.reset_member(agent)
     if member.real and member.has_body:
         # The entry of a body that stays is kept: it records what the world knows, such as that the pose is old.
         agents.bridges.setdefault(agent, bridge_status(service.run.state, agent, now))
-    _update_members(service, agent)
     report_joined(service, member, position, starts=current is None)
     if pacing.barrier_open and pacing.lockstep:
         pacing.barrier.add(member.answers())
-    if not pacing.waiting_to_start and (pacing.barrier_open or not pacing.lockstep):
+    if not member.crew and pacing.measures_are_out:
         outbound.put_measures(service, agent)
-    return _joined_reply(service, member, position, shows_key=not returns)
+    return _joined_reply(service, member, position, shows_key=not is_return(current, member))
 
 
 def _check_real(service: ServiceState, robot: Robot) -> None:
@@ -213,12 +258,13 @@ def _check_real(service: ServiceState, robot: Robot) -> None:
         )
 
 
-def _give_body(service: ServiceState, member: Member, current: Member | None, keeps_body: bool) -> Position:
+def _give_body(service: ServiceState, member: Member, current: Member | None) -> Position:
     """Give a member its body and return its pose. A body that is here already is kept if possible."""
     agent, roster = member.agent, service.agents.roster
-    if current is not None and keeps_body:
+    model = service.run.state.body_set.models.get(agent)
+    if current is not None and model is not None and same_body(current.robot, member.robot):
         if current.absent_since is not None or current.instance != member.instance:
-            service.apply(Note(code="returned", agent=agent, text=_role_text(member)))
+            service.apply(Note(code="returned", agent=agent, text=role_text(member)))
         return position_of(service.run.state, agent)
     if current is None and member.has_body and is_unowned(service, agent):
         if same_body(service.run.state.body_set.models[agent].robot, member.robot):
@@ -232,83 +278,30 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
             forget_body(service, agent)
         else:
             service.latch.forget(agent)
-    outcome = service.apply(_body_join(service, member))
+    outcome = service.apply(body_join(service, member))
     if outcome.code != "ok":
         if current is not None:
             remove_member(service, current)
         raise RequestRefusedError(outcome.refused or "value", outcome.text)
     for mind in other_minds:  # they join the new body
-        service.apply(Join(agent=agent, robot=_named(mind.robot, agent)))
+        service.apply(Join(agent=agent, robot=named(mind.robot, agent)))
     return outcome.position or position_of(service.run.state, agent)
-
-
-def _body_join(service: ServiceState, member: Member) -> Join:
-    """Return the change by which a member joins: its body at its place in the scene, and at nobody else's."""
-    agent, robot = member.agent, member.robot
-    if not member.has_body:
-        return Join(agent=agent, robot=_named(robot, agent))
-    others = reserved_places(service, besides=agent)
-    own = service.options.reserved.get(agent)
-    if own in reserved_places(service) and robot.place is None and robot.position is None:
-        robot = msgspec.structs.replace(robot, place=own)
-    return Join(agent=agent, robot=_named(robot, agent), reserved=others)
-
-
-def reserved_places(service: ServiceState, besides: str = "") -> tuple[str, ...]:
-    """Return the places that are kept for agents, sorted. A place that this map does not have is nobody's."""
-    grid = service.run.state.setup.floor.grid
-    known = {spot.name for spot in grid.position} if grid is not None else set()
-    reserved = service.options.reserved.items()
-    return tuple(sorted(place for agent, place in reserved if agent != besides and place in known))
-
-
-def is_unowned(service: ServiceState, agent: str) -> bool:
-    """Return whether the body of an agent is here without the agent, which can happen after a restore.
-
-    Bodies that an operator spawned do not count: they have no instance.
-    """
-    model = service.run.state.body_set.models.get(agent)
-    return model is not None and model.robot.instance is not None and service.agents.roster.body(agent) is None
-
-
-def bridge_status(state: State, agent: str, now: float) -> BridgeStatus:
-    """Return the status of a real body that reports now, with its flags in the world. The body must be here."""
-    flags = state.flags[:, state.body_set.index[agent]]
-    return BridgeStatus(reported_at=now, stale=bool(flags[rows.STALE]), halted=bool(flags[rows.HALTED]))
-
-
-def position_of(state: State, agent: str) -> Position:
-    """Return the pose of a body. It must be here."""
-    x, y, heading = state.numbers[[rows.X, rows.Y, rows.HEADING], state.body_set.index[agent]].tolist()
-    return Position(x=x, y=y, heading=heading)
 
 
 def _joined_reply(service: ServiceState, member: Member, position: Position, *, shows_key: bool) -> Joined:
     state, options = service.run.state, service.options
-    setup, model = state.setup, state.body_set.models[member.agent]
+    model = state.body_set.models[member.agent]
     return Joined(
         run=state.run,
         tick=state.tick,
         session=member.session,
-        parameters=Parameters(
-            world=options.world,
-            period=setup.period,
-            pace=options.pace,
-            say_limit=setup.say_limit,
-            say_range=setup.say_range,
-            command_timeout=setup.command_timeout,
-            grace=options.grace,
-        ),
+        parameters=service.parameters(),
         # An agent that returns to a laboratory gets the start pose of its chair, not the true pose.
         position=model.start if options.hide_truth else position,
         robot=nominal(model.robot) if options.hide_truth else model.robot,
         # Once only: anybody can read the instance of a process in its token, and join in its name.
         key=member.key if member.key and shows_key else None,
     )
-
-
-def _named(robot: Robot, agent: str) -> Robot:
-    return robot if robot.name is not None else msgspec.structs.replace(robot, name=agent)
 
 
 # ------------------------------------------------------------ leaves
@@ -367,7 +360,7 @@ def remove_member(service: ServiceState, member: Member) -> None:
         roster.remove(each)
     if body_is_gone:
         forget_body(service, agent)
-    _update_members(service, agent)
+    _update_members(service, (agent,))
 
 
 def forget_body(service: ServiceState, agent: str) -> None:
@@ -380,19 +373,24 @@ def forget_body(service: ServiceState, agent: str) -> None:
     service.agents.bridges.pop(agent, None)
 
 
-def _update_members(service: ServiceState, agent: str) -> None:
-    """Update what depends on the members of an agent: expected answers, publishers, the published body."""
+def _update_members(service: ServiceState, changed: Sequence[str]) -> None:
+    """Update what depends on the members of some agents: expected answers, publishers, the published bodies."""
     agents, outlet = service.agents, service.publisher.outlet
     service.pacing.answers = agents.expected_answers() if service.pacing.lockstep else frozenset()
-    mind, body = agents.roster.mind(agent), agents.roster.body(agent)
-    reader = mind or body
-    if reader is None:
-        agents.encodings.pop(agent, None)
-        service.error_limit.forget(agent)
-        service.unasked_limit.forget(agent)
-        outlet.undeclare_agent(agent)
-    else:
-        agents.encodings[agent] = reader.encoding
-        outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)
-    if agent in service.run.state.body_set.models:
-        outbound.publish_body(service, agent)
+    for agent in changed:
+        mind, body = agents.roster.mind(agent), agents.roster.body(agent)
+        reader = mind or body
+        if (ended := agents.crews.place(agent, reader)) is not None:
+            outlet.undeclare_crew(ended)
+        if reader is None:
+            agents.set_encoding(agent, None)
+            service.error_limit.forget(agent)
+            service.unasked_limit.forget(agent)
+            outlet.undeclare_agent(agent)
+        elif reader.crew:
+            agents.set_encoding(agent, None)
+        else:
+            agents.set_encoding(agent, reader.encoding)
+            outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)
+        if agent in service.run.state.body_set.models:
+            outbound.publish_body(service, agent)

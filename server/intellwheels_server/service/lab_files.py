@@ -10,6 +10,7 @@ from typing import Final
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import read_with_lines
+from intellwheels_schemas.identity_file import exposure
 from intellwheels_schemas.messages import Lab
 
 _NO_VERBS: Final = re.compile(r"""\bVerbs\s*=\s*(?:"\s*"|'\s*')""")
@@ -46,6 +47,10 @@ class LabFiles:
     def router_key(self) -> Path:
         """Key of the router."""
         return self._beside("router.key")
+
+    def exposed(self) -> list[str]:
+        """Return in words which secrets others on this machine can read, and what to do."""
+        return [words for secret in (self.users, self.authority_key, self.router_key) if (words := exposure(secret))]
 
     def _beside(self, ending: str) -> Path:
         return self.lab.with_suffix(f".{ending}").absolute()

@@ -75,8 +75,8 @@ def parser() -> argparse.ArgumentParser:
     renew = action("renew", "write identity files again, with a later end; an old file stays valid until its own end")
     revoke = action(
         "revoke",
-        "give an identity another password: its old file is void when iw-router is restarted, and invite writes the "
-        "new one",
+        "give an identity another password: its old file is void from the next restart of iw-router on, and invite "
+        "writes the new one",
     )
     for one in (invite, renew):
         one.add_argument("names", nargs="*", metavar="NAME", help="identities, as in the lab's document (default: all)")
@@ -114,7 +114,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.action == "new":
             return _new(options)
-        return _LabDesk(options, LabFiles(options.lab), read_lab(options.lab), today).run()
+        files = LabFiles(options.lab)
+        for warning in files.exposed():
+            _log(f"warning: {warning}")
+        return _LabDesk(options, files, read_lab(options.lab), today).run()
     except WireError as error:
         _log(str(error))
         return 2

@@ -13,7 +13,7 @@ from typing import Final
 from intellwheels_schemas.file_records import Verdict
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log.branch import Branch
-from intellwheels_server.service import control, inbound, joining, outbound
+from intellwheels_server.service import control, crew_inbound, crew_joining, inbound, joining, outbound, presence
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus
 from intellwheels_server.service.load_floor import FloorWorker
@@ -66,10 +66,13 @@ class LiveRun:
 
     def take(self, arrival: Arrival, now: float) -> None:
         """Take what arrived. The world does not move."""
-        if isinstance(arrival, Put):
+        if isinstance(arrival, Put) and arrival.kind == "crew":
+            crew_inbound.take_crew_put(self._service, arrival, now)
+        elif isinstance(arrival, Put):
             inbound.take_put(self._service, arrival, now)
         elif isinstance(arrival, Token):
-            joining.take_token(self._service, arrival, now)
+            presence.take_token(self._service, arrival, now)
+            crew_joining.take_crew_token(self._service, arrival)
         else:
             self._take_query(arrival, now)
 
@@ -78,7 +81,8 @@ class LiveRun:
         service = self._service
         if service.exit is not None:
             return
-        joining.handle_deadlines(service, now)
+        presence.handle_deadlines(service, now)
+        crew_joining.handle_crew_deadlines(service, now)
         for request in service.floors.work(now):
             service.queue_change(request)
         if service.has_queued_changes and service.may_change():
@@ -98,6 +102,7 @@ class LiveRun:
             agents.roster.due(service.options.grace),
             service.floors.due(now),
             *(join.until for join in agents.waiting_joins),
+            *(crew.until for crew in agents.waiting_crews),
         ]
         if agents.bridges and service.is_stopped():
             times.append(service.publisher.idle_power_at)
@@ -126,7 +131,10 @@ class LiveRun:
             request(now)
         for join in service.agents.waiting_joins:
             join.query.close()
+        for crew in service.agents.waiting_crews:
+            crew.query.close()
         service.agents.waiting_joins.clear()
+        service.agents.waiting_crews.clear()
         outbound.publish(service, now)
         outbound.put_zero_powers(service)
         if service.run.unrecorded:
@@ -138,6 +146,10 @@ class LiveRun:
                 joining.handle_join(self._service, query, now)
             case "leave":
                 joining.handle_leave(self._service, query)
+            case "crew-join":
+                crew_joining.handle_crew_join(self._service, query, now)
+            case "crew-leave":
+                crew_joining.handle_crew_leave(self._service, query)
             case "ctl":
                 control.handle_control(self._service, query, now)
             case _:
@@ -197,8 +209,7 @@ class LiveRun:
             service.publisher.outlet.log_line(f"late agent={agent} tick={service.run.state.tick}")
             if kind == "pose" and agent in agents.bridges:
                 agents.bridges[agent].reported_at = float("-inf")
-        for agent in barrier.to_repeat(now):
-            outbound.put_measures(service, agent)
+        outbound.put_measures_again(service, barrier.to_repeat(now))
         return True
 
     def _open_barrier(self, now: float) -> None:

@@ -194,16 +194,16 @@ class Playback:
 
     def _show_bodies(self, before: State, state: State) -> None:
         """Publish the bodies that are new or changed, and declare the publishers of agents that come and go."""
-        outlet, encodings = self._service.publisher.outlet, self._service.agents.encodings
+        outlet, agents = self._service.publisher.outlet, self._service.agents
         models, known = state.body_set.models, before.body_set.models
         for name in known.keys() - models.keys():
-            encodings.pop(name, None)
+            agents.set_encoding(name, None)
             outlet.undeclare_agent(name)
         for name, model in models.items():
             if model is known.get(name) and state.run == before.run:
                 continue
-            if model.robot.instance is not None and name not in encodings:
-                encodings[name] = Encoding.JSON
+            if model.robot.instance is not None and name not in agents.encodings:
+                agents.set_encoding(name, Encoding.JSON)
                 outlet.declare_agent(name, Encoding.JSON, Encoding.JSON)
             outbound.publish_body(self._service, name)
 

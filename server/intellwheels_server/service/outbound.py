@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import msgspec
+import numpy as np
 
-from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.crew_messages import crew_messages
 from intellwheels_schemas.messages import (
     Body,
     Clock,
     ClockState,
+    CrewError,
     Entity,
     Error,
     MapInfo,
@@ -28,9 +31,10 @@ from intellwheels_server.service.roster import Roster
 from intellwheels_server.service.run_state import RunState
 from intellwheels_server.service.sensor_budget import costliest, total_rays
 from intellwheels_server.service.service_state import ServiceState
-from intellwheels_server.service.state_parts import split_state
+from intellwheels_server.service.state_parts import split_state, split_written
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
+from intellwheels_server.world.state_writer import WrittenState
 
 WHERE_LIMIT: Final = 200
 """Characters of the place in an error."""
@@ -47,14 +51,39 @@ def put_measures(service: ServiceState, agent: str) -> None:
     encoding = service.agents.encodings.get(agent)
     if encoding is not None:
         measures = world.measures(service.run.state, agent)
-        service.publisher.outlet.agent(agent, "measures", measures, encoding)
+        service.publisher.outlet.put_measures(agent, encode(measures, encoding), encoding)
+
+
+def put_measures_again(service: ServiceState, agents: Iterable[str]) -> None:
+    """Put the measures of some agents once more; those of a crew together."""
+    of_crews: dict[str, list[str]] = {}
+    for agent in agents:
+        crew = service.agents.crews.of(agent)
+        if crew is None:
+            put_measures(service, agent)
+        else:
+            of_crews.setdefault(crew.name, []).append(agent)
+    for name, members in of_crews.items():
+        put_crew_measures(service, name, members)
+
+
+def put_crew_measures(service: ServiceState, crew: str, agents: Sequence[str]) -> None:
+    """Put the measures of agents of a crew."""
+    state, outlet, known = service.run.state, service.publisher.outlet, service.agents.crews.named[crew]
+    items = known.write(state, agents)
+    for data in crew_messages("Measures", crew, items, known.encoding):
+        outlet.crew_measures(crew, data, known.encoding)
 
 
 def put_all_measures(service: ServiceState) -> None:
     """Put the measures of every agent."""
-    state, put = service.run.state, service.publisher.outlet.agent
-    for agent, encoding in service.agents.encodings.items():
-        put(agent, "measures", world.measures(state, agent), encoding)
+    state, publisher = service.run.state, service.publisher
+    put = publisher.outlet.put_measures
+    for encoding, agents in service.agents.by_encoding().items():
+        for agent, data in zip(agents, publisher.writers[encoding].write(state, agents), strict=True):
+            put(agent, data, encoding)
+    for name, crew in service.agents.crews.named.items():
+        put_crew_measures(service, name, crew.names)
 
 
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
@@ -68,11 +97,43 @@ def send_unasked_error(service: ServiceState, agent: str, fault: Fault, now: flo
 
 
 def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int | None) -> None:
-    roster, state = service.agents.roster, service.run.state
     if suppressed is None:
         return
+    roster = service.agents.roster
     member = roster.mind(agent) or roster.body(agent)
-    error = Error(
+    error = _error_of(service, fault, suppressed)
+    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
+    crew = service.agents.crews.of(agent)
+    if crew is not None:
+        _put_crew_error(service, crew.name, error, agent)
+
+
+def send_crew_error(service: ServiceState, crew: str, fault: Fault, now: float, agent: str | None = None) -> None:
+    """Send a crew an error about one of its messages, unless it got too many errors recently.
+
+    Args:
+        service: The service.
+        crew: The crew.
+        fault: What is wrong.
+        now: The current time, s.
+        agent: The name in the message that the error is about, if it is about one.
+    """
+    # No agent's name has a slash.
+    suppressed = service.error_limit.admit(f"crew/{crew}", crew in service.agents.crews.named, now)
+    if suppressed is not None:
+        _put_crew_error(service, crew, _error_of(service, fault, suppressed), agent)
+
+
+def _put_crew_error(service: ServiceState, crew: str, error: Error, agent: str | None) -> None:
+    known = service.agents.crews.named.get(crew)
+    fields = {name: getattr(error, name) for name in Error.__struct_fields__}
+    encoding = known.encoding if known is not None else Encoding.JSON
+    service.publisher.outlet.crew_error(crew, CrewError(**fields, agent=agent), encoding)
+
+
+def _error_of(service: ServiceState, fault: Fault, suppressed: int) -> Error:
+    state = service.run.state
+    return Error(
         run=state.run,
         tick=state.tick,
         code=fault.code,
@@ -81,7 +142,6 @@ def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int
         suppressed=suppressed,
         text=fault.text[:TEXT_LIMIT],
     )
-    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
 
 
 def put_powers(service: ServiceState, tick: int) -> None:
@@ -133,30 +193,48 @@ def is_hardware(roster: Roster, agent: str) -> bool:
 
 def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
-    publisher = service.publisher
-    publisher.schedule.mark_published(now)
-    parts = _state_parts(service)
-    publisher.schedule.mark_state(_shown(service, parts), now)
-    _put_state_and_clock(service, parts, now)
+    service.publisher.schedule.mark_published(now)
+    _put_state(service, now, always=True)
+    service.publisher.outlet.clock(_clock(service, now))
 
 
 def publish_due(service: ServiceState, now: float) -> None:
     """Put the clock if it is due, and the state with it unless it was published and nothing has moved since."""
     publisher = service.publisher
     if publisher.schedule.take_due(now):
+        _put_state(service, now, always=False)
+        publisher.outlet.clock(_clock(service, now))
+
+
+def _put_state(service: ServiceState, now: float, *, always: bool) -> None:
+    """Put the state, unless nobody reads it or, if not `always`, it was published and nothing has moved since."""
+    publisher, state = service.publisher, service.run.state
+    if publisher.hide_truth or not publisher.outlet.is_state_read():
+        return
+    written = _written(service)
+    shown: object
+    if written is None:
         parts = _state_parts(service)
-        due = publisher.schedule.take_state(_shown(service, parts), now)
-        _put_state_and_clock(service, parts if due else [], now)
+        shown, data = [part.entity for part in parts], [encode(part) for part in parts]
+    else:
+        shown, data = written.data, split_written(state.run, state.tick, state.shown_time, written)
+    shown = state.run, shown
+    if always:
+        publisher.schedule.mark_state(shown, now)
+    elif not publisher.schedule.take_state(shown, now):
+        return
+    for part, each in enumerate(data):
+        publisher.outlet.put_state(part, each)
 
 
-def _shown(service: ServiceState, parts: list[WorldState]) -> object:
-    return service.run.state.run, [part.entity for part in parts]
-
-
-def _put_state_and_clock(service: ServiceState, parts: list[WorldState], now: float) -> None:
-    for part in parts:
-        service.publisher.outlet.state(part)
-    service.publisher.outlet.clock(_clock(service, now))
+def _written(service: ServiceState) -> WrittenState | None:
+    """Return all bodies as bytes with what the service counts about them, or None if they cannot be written so."""
+    state = service.run.state
+    if service.playback is not None:
+        return service.publisher.state_writer.write(state, {}, np.full((2, len(state.names)), np.nan))
+    ages, paths = service.command_ages.means(), service.travelled.columns(state.names)
+    # A body that was at no step has not travelled.
+    return service.publisher.state_writer.write(state, ages, np.nan_to_num(paths, nan=0.0))
 
 
 def publish_map(run: RunState, publisher: Publisher) -> None:

@@ -61,6 +61,11 @@ class Pacing:
         """Whether simulated time passes as fast as wall time, as real hardware needs."""
         return self.pace == "realtime" and self.metronome.speed == 1.0
 
+    @property
+    def measures_are_out(self) -> bool:
+        """Whether the measures of this tick are out, so that who joins now must get them too."""
+        return not self.waiting_to_start and (self.barrier_open or not self.lockstep)
+
     def is_stopped(self, *, ended: bool) -> bool:
         """Return whether no message that arrives can cause a step now.
 

@@ -30,12 +30,22 @@ OPERATOR: Final = "operator"
 MAX_BODIES: Final = 10_000
 """Largest number of bodies in a world."""
 MAX_TOKENS: Final = 40_000
-"""Largest number of tokens remembered. Further ones are ignored."""
+"""Largest number of tokens remembered. A further one takes the place of the oldest that belongs to no member."""
+MAX_INSTANCES: Final = 64
+"""Largest number of tokens remembered for one role of one agent. Further ones are ignored."""
 
 
 def new_hex() -> str:
     """Return 16 random hex digits, for the name of a run, a session or a lease."""
     return secrets.token_hex(8)
+
+
+def presence_of(instance: str, crew: str) -> str:
+    """Return what the end of a token says: the instance, and the crew if there is one. A crew needs tokens of its own.
+
+    By the key of a token a router knows that the agent's owner lets this crew act for it.
+    """
+    return f"{instance}/{crew}" if crew else instance
 
 
 @dataclass(slots=True, eq=False)
@@ -53,6 +63,7 @@ class Member:
         simulated_hardware: Whether that chair is itself simulated.
         barrier: Whether lockstep waits for it.
         key: What makes the codes of its poses and powers, if its body is real; else empty.
+        crew: The crew whose keys carry its actions and measures, or empty.
         absent_since: When its token disappeared, s, or None.
     """
 
@@ -66,7 +77,13 @@ class Member:
     simulated_hardware: bool = False
     barrier: bool = True
     key: str = ""
+    crew: str = ""
     absent_since: float | None = None
+
+    @property
+    def presence(self) -> str:
+        """What its token says besides agent and role."""
+        return presence_of(self.instance, self.crew)
 
     @property
     def is_mind(self) -> bool:
@@ -113,7 +130,7 @@ class Roster:
     def __init__(self) -> None:
         self._agents: dict[str, _Roles] = {}
         self._tokens: dict[tuple[str, Role], set[str]] = {}
-        self._token_count = 0
+        self._ages: dict[tuple[str, Role, str], None] = {}  # all tokens, the oldest first
         self._absent: set[Member] = set()
 
     # ------------------------------------------------------------ queries
@@ -145,34 +162,52 @@ class Roster:
         found = self._agents.get(agent)
         return found.body if found else None
 
-    def has_token(self, agent: str, role: Role, instance: str) -> bool:
-        """Return whether the token of this instance is present."""
-        return instance in self._tokens.get((agent, role), ())
+    def has_token(self, agent: str, role: Role, presence: str) -> bool:
+        """Return whether the token of this instance is present; `presence` is what `presence_of` returns."""
+        return presence in self._tokens.get((agent, role), ())
 
     # ------------------------------------------------------------ presence
 
-    def token(self, agent: str, role: Role, instance: str, present: bool, now: float) -> Member | None:
-        """Note a token that appeared or disappeared; return the member whose presence this changes, if any."""
-        instances = self._tokens.get((agent, role))
+    def token(self, agent: str, role: Role, presence: str, present: bool, now: float) -> Member | None:
+        """Note a token that appeared or disappeared; return the member whose presence this changes, if any.
+
+        `presence` is what `presence_of` returns.
+        """
         if present:
-            if instances is None:
-                if self._token_count >= MAX_TOKENS:
-                    return None
-                instances = self._tokens[agent, role] = set()
-            if instance not in instances and self._token_count < MAX_TOKENS:
-                instances.add(instance)
-                self._token_count += 1
-        elif instances is not None and instance in instances:
-            instances.discard(instance)
-            self._token_count -= 1
-            if not instances:
-                del self._tokens[agent, role]
+            self._remember(agent, role, presence)
+        else:
+            self._forget(agent, role, presence)
         member = self._member(agent, role)
-        if member is None or member.instance != instance or present == (member.absent_since is None):
+        if member is None or member.presence != presence or present == (member.absent_since is None):
             return None
         member.absent_since = None if present else now
         (self._absent.discard if present else self._absent.add)(member)
         return member
+
+    def _remember(self, agent: str, role: Role, presence: str) -> None:
+        presences = self._tokens.get((agent, role), set())
+        if presence in presences or (len(presences) >= MAX_INSTANCES and not self._is_member(agent, role, presence)):
+            return
+        # Members are fewer, so this ends.
+        while len(self._ages) >= MAX_TOKENS:
+            oldest = next(iter(self._ages))
+            self._forget(*oldest)
+            if self._is_member(*oldest):
+                self._note(*oldest)
+        self._note(agent, role, presence)
+
+    def _note(self, agent: str, role: Role, presence: str) -> None:
+        self._tokens.setdefault((agent, role), set()).add(presence)
+        self._ages[agent, role, presence] = None
+
+    def _forget(self, agent: str, role: Role, presence: str) -> None:
+        if (agent, role, presence) not in self._ages:
+            return
+        del self._ages[agent, role, presence]
+        presences = self._tokens[agent, role]
+        presences.discard(presence)
+        if not presences:
+            del self._tokens[agent, role]
 
     def lost(self, now: float, grace: float) -> list[Member]:
         """Return the members whose token has been gone for the grace time or longer."""
@@ -184,13 +219,14 @@ class Roster:
 
     # ------------------------------------------------------------ joining and leaving
 
-    def predecessor(self, agent: str, robot: Robot, session: str | None) -> Member | None:
+    def predecessor(self, agent: str, robot: Robot, session: str | None, crew: str = "") -> Member | None:
         """Return the member that a join would replace, or None if the role is free.
 
         Args:
             agent: The agent in the key.
             robot: What it sent; `instance` must be known by now.
             session: The earlier session that the join shows, or None.
+            crew: The crew that it joins with, if any.
 
         Raises:
             RequestRefusedError: `already-here`, `name`, `no-token`, `full`.
@@ -200,11 +236,9 @@ class Roster:
             raise RequestRefusedError("name", f"the name '{OPERATOR}' is reserved for people; take another")
         if robot.name is not None and robot.name != agent:
             raise RequestRefusedError("name", f"Robot.Name: expected '{agent}' as in the key, got '{robot.name}'")
-        if robot.instance is None or not self.has_token(agent, role, robot.instance):
-            instance = robot.instance or "<Robot.Instance>"
-            raise RequestRefusedError(
-                "no-token", f"expected a liveliness token in/{agent}/alive/{role}/{instance} before the join, got none"
-            )
+        if robot.instance is None or not self.has_token(agent, role, presence_of(robot.instance, crew)):
+            token = f"in/{agent}/alive/{role}/{presence_of(robot.instance or '<Robot.Instance>', crew)}"
+            raise RequestRefusedError("no-token", f"expected a liveliness token {token} before the join, got none")
         current = self._member(agent, role)
         if current is None:
             conflicting = [m for m in self.members(agent) if "both" in (role, m.role)]
@@ -216,14 +250,14 @@ class Roster:
         # The session of a real robot is in its poses, which anybody can read in an open world.
         shows_session = session == current.session and not current.key
         same_process = robot.instance == current.instance or shows_session
-        if same_process or not self.has_token(agent, role, current.instance):
+        if same_process or not self.has_token(agent, role, current.presence):
             return current
         raise RequestRefusedError("already-here", f"agent '{agent}' is already here")
 
     def only_instance(self, agent: str, role: Role) -> str | None:
         """Return the instance of an agent that did not name one: the instance with a token, if there is exactly one."""
-        instances = self._tokens.get((agent, role), set())
-        return next(iter(instances)) if len(instances) == 1 else None
+        instances = [each for each in self._tokens.get((agent, role), ()) if "/" not in each]
+        return instances[0] if len(instances) == 1 else None
 
     def add(self, member: Member) -> None:
         """Add a member, in place of the one that had its role."""
@@ -242,18 +276,32 @@ class Roster:
             if not roles.by_role:
                 del self._agents[member.agent]
 
+    def _is_member(self, agent: str, role: Role, presence: str) -> bool:
+        member = self._member(agent, role)
+        return member is not None and member.presence == presence
+
     def _member(self, agent: str, role: Role) -> Member | None:
         roles = self._agents.get(agent)
         return roles.by_role.get(role) if roles else None
 
 
+def role_text(member: Member) -> str | None:
+    """Return the role of a member as notes name it, or None if it has both."""
+    return None if member.role == "both" else member.role
+
+
+def is_return(current: Member | None, member: Member) -> bool:
+    """Return whether a member is the same process as the one that it replaces."""
+    return current is not None and current.instance == member.instance
+
+
 def same_body(old: Robot, new: Robot) -> bool:
-    """Return whether two robots are the same body, apart from name, instance and start."""
+    """Return whether two robots are the same body, apart from name, instance, crew and start."""
     return _anonymous(old) == _anonymous(new)
 
 
 def _anonymous(robot: Robot) -> Robot:
-    return msgspec.structs.replace(robot, name=None, instance=None, place=None, position=None)
+    return msgspec.structs.replace(robot, name=None, instance=None, crew=None, place=None, position=None)
 
 
 def check_session(

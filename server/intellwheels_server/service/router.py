@@ -9,10 +9,12 @@ import argparse
 import datetime
 import os
 import sys
+import time
 from collections.abc import Sequence
+from typing import Final
 
 from intellwheels_schemas import defaults
-from intellwheels_schemas.command_parser import CommandParser, readable_file
+from intellwheels_schemas.command_parser import CommandParser, readable_file, whole
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import WARN_DAYS
@@ -20,9 +22,18 @@ from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.own_rights import answer_rights
 from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
-from intellwheels_schemas.router_link import open_router, open_words, router_settings
+from intellwheels_schemas.router_link import guard_sessions, open_router, open_words, router_settings
+from intellwheels_schemas.session_count import MAX_SESSIONS
 from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
 from intellwheels_server.service.lab_router import checked_settings
+
+LIVED_LONG: Final = 60.0
+"""Seconds after which a replaced router begins again at once."""
+FIRST_PAUSE: Final = 0.5
+LAST_PAUSE: Final = 10.0
+"""Seconds before a router that was replaced soon after its start listens again: the first pause, and the longest."""
+_PAUSE: Final = "IW_ROUTER_PAUSE"
+"""Variable in which a process tells the one that replaces it how long to wait."""
 
 EXAMPLES = """\
 examples:
@@ -54,6 +65,11 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--lab", type=readable_file, metavar="FILE", help="let in only the identities of this lab, with its rules"
     )
+    found.add_argument(
+        "--max-sessions", type=whole(1, 10_000), metavar="N",
+        help="sessions that one certificate, or one address without certificates, may have at a time, in [1, 10000]; "
+        f"more are closed and reported (default: {MAX_SESSIONS}, and any number of this machine without certificates)",
+    )  # fmt: skip
     add_process_options(found)
     return found
 
@@ -74,7 +90,7 @@ def _warnings(files: LabFiles, today: datetime.date) -> list[str]:
     until = router_until(files)
     if until is not None and (until - today).days <= WARN_DAYS:
         found.append(f"the router's certificate expires after {until}; run iw-lab keys, and restart iw-router")
-    return found
+    return [*found, *(f"warning: {words}" for words in files.exposed())]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -88,30 +104,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
         more = None if files is None else checked_settings(files, today, printed=options.print)
         warnings = [] if files is None else _warnings(files, today)
     except WireError as error:
-        print(f"iw-router: {error}", file=sys.stderr)
+        _log(str(error))
         return 2
     if options.print:
         print(router_settings(listen, more), end="")
         return 0
     stop = stop_on_signals(options.lifeline)
-    watch = PanicWatch(lambda line: _begin_again(watch, line))
+    if pause := _pause():
+        _log(f"waiting seconds={pause:g} why='restarted before'")
+        stop.wait(pause)
+    began = time.monotonic()
+    watch = PanicWatch(lambda line: _begin_again(watch, line, next_pause(pause, time.monotonic() - began)))
     over = ""
+    if stop.is_set():
+        return 0
     try:
         with open_router(listen, more) as session:
             identities = () if files is None else read_lab(files.lab).identity
-            let_in = [one for one in identities if not has_expired(one, today)]
-            queryables = answer_rights(session, identities)
+            let_in = [identity for identity in identities if not has_expired(identity, today)]
+            kept = [*answer_rights(session, identities), guard_sessions(session, options.max_sessions, _log)]
             for warning in warnings:
-                print(f"iw-router: {warning}", file=sys.stderr, flush=True)
+                _log(warning)
             if more is None:
-                print(f"iw-router: {open_words(listen)}", file=sys.stderr, flush=True)
+                _log(open_words(listen))
             print(f"ready listen={','.join(listen)}", flush=True)
             while not over and not stop.wait(SLICE):
                 over = ", ".join(one.name for one in let_in if has_expired(one, _today()))
-            for queryable in queryables:
-                queryable.undeclare()
+            for one in kept:
+                one.undeclare()
     except ConnectionError as error:
-        print(f"iw-router: {error}", file=sys.stderr)
+        _log(str(error))
         return 1
     if over:
         # Zenoh keeps its users and their sessions until it ends.
@@ -119,14 +141,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _log(line: str) -> None:
+    print(f"iw-router: {line}", file=sys.stderr, flush=True)
+
+
 def _today() -> datetime.date:
     return datetime.datetime.now(datetime.UTC).date()
 
 
-def _begin_again(watch: PanicWatch, why: str) -> None:
+def next_pause(pause: float, lived: float) -> float:
+    """Return for how many seconds a router that must be replaced waits before it listens again.
+
+    Args:
+        pause: For how long this one has waited, s.
+        lived: For how long it has listened since, s.
+    """
+    return 0.0 if lived >= LIVED_LONG else min(max(FIRST_PAUSE, 2.0 * pause), LAST_PAUSE)
+
+
+def _pause() -> float:
+    """Return for how many seconds this process must wait, as the one that it replaces said."""
+    try:
+        return min(max(float(os.environ.pop(_PAUSE, "0")), 0.0), LAST_PAUSE)
+    except ValueError:
+        return 0.0
+
+
+def _begin_again(watch: PanicWatch, why: str, pause: float = 0.0) -> None:
     """Replace this process by a new one, which listens at the same endpoints. A router keeps nothing."""
     watch.close()
-    print(f"iw-router: restarted why={why!r}", file=sys.stderr, flush=True)
+    _log(f"restarted why={why!r}")
+    os.environ[_PAUSE] = str(pause)
     os.execv(sys.executable, sys.orig_argv)  # noqa: S606 - this process's own command line
 
 

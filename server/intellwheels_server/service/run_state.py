@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import msgspec
 
+from intellwheels_schemas.crew_messages import alone
 from intellwheels_schemas.file_records import Change, Inputs
-from intellwheels_schemas.messages import Event, Result, ResultCode
+from intellwheels_schemas.messages import Actions, Event, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.world import Outcome, Outputs, State, Walls
 
@@ -62,9 +64,14 @@ class RunState:
             change: The change.
             walls: The walls of its map, if it has one and they are cut already.
         """
-        self.state, outputs = world.apply(self.state, (change,), walls)
-        self._unrecorded.append(change)
+        outputs = self.apply_all((change,), walls)
         return outputs.outcomes[0], outputs.events
+
+    def apply_all(self, changes: Sequence[Change], walls: Walls | None = None) -> Outputs:
+        """Change the world at the current tick; return the outcome of each change, and the events."""
+        self.state, outputs = world.apply(self.state, changes, walls)
+        self._unrecorded.extend(changes)
+        return outputs
 
     def advance(self, inputs: Inputs) -> Outputs:
         """Move the world by one tick and return the outputs. `record_step` must follow."""
@@ -74,6 +81,9 @@ class RunState:
     def record_step(self, tick: int, inputs: Inputs) -> None:
         """Record the step from a tick, with the changes made at that tick."""
         if self._record is not None:
+            if any(type(actions) is not Actions for actions in inputs.actions.values()):
+                actions = {agent: alone(actions) for agent, actions in inputs.actions.items()}
+                inputs = msgspec.structs.replace(inputs, actions=actions)
             if self._unrecorded:
                 inputs = msgspec.structs.replace(inputs, changes=tuple(self._unrecorded))
             self._record(tick, inputs, self.digest(), stepped=True)

@@ -11,7 +11,7 @@ import msgspec
 
 from intellwheels_schemas.file_records import RestoreState, SaveState, TakeBody
 from intellwheels_schemas.messages import Error, Restore
-from intellwheels_server.service import joining
+from intellwheels_server.service import body_places, joining
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.roster import Member, new_hex, same_body
@@ -38,7 +38,7 @@ def restore(service: ServiceState, query: Query, message: Restore, now: float) -
     _remove_members_that_do_not_fit(service)
     _release_expired_bodies(service, before.names, now)
     for agent in service.agents.bridges:
-        service.agents.bridges[agent] = joining.bridge_status(service.run.state, agent, now)
+        service.agents.bridges[agent] = body_places.bridge_status(service.run.state, agent, now)
     begin_new_run(service, before, now)
     query.reply(msgspec.structs.replace(service.result("ok"), slot=message.slot))
 

@@ -20,13 +20,14 @@ HEARD_BYTES: Final = MAX_BYTES // 4
 MAX_READING_BYTES: Final = MAX_BYTES - HEARD_BYTES
 
 
-def check_sensor_budget(service: ServiceState, agent: str, robot: Robot) -> None:
+def check_sensor_budget(service: ServiceState, agent: str, robot: Robot, waiting: float = 0.0) -> None:
     """Refuse a robot whose sensors cost too much.
 
     Args:
         service: The service.
         agent: The agent whose robot it is. If it has a body already, the robot replaces that.
         robot: The robot.
+        waiting: Rays per tick of bodies that come in together with it.
 
     Raises:
         RequestRefusedError: `limit` if it asks for more than one agent may, `full` if the others leave too little.
@@ -48,7 +49,8 @@ def check_sensor_budget(service: ServiceState, agent: str, robot: Robot) -> None
             f"Robot: expected sensors of at most {options.agent_rays:,} rays a second, got {own:,.0f}; "
             "use fewer Rays or a larger Every, or start the simulator with another --agent-rays",
         )
-    others = sum(model.rays for name, model in state.body_set.models.items() if name != agent) / state.setup.period
+    present = sum(model.rays for name, model in state.body_set.models.items() if name != agent)
+    others = (present + waiting) / state.setup.period
     if own > 0.0 and own + others > options.world_rays:
         raise RequestRefusedError(
             "full",

@@ -6,13 +6,13 @@ publishes, and `live_run` moves the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from intellwheels_maps.turning import TurningCheck
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
-from intellwheels_schemas.messages import Pace, Result, ResultCode
+from intellwheels_schemas.messages import Pace, Parameters, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service.command_ages import CommandAges
@@ -156,11 +156,29 @@ class ServiceState:
         """Return a reply to a control message or a leave, with the current run, tick and hash."""
         return self.run.result(code, text)
 
+    def parameters(self) -> Parameters:
+        """Return what agents need to know of the simulation."""
+        options, setup = self.options, self.run.state.setup
+        return Parameters(
+            world=options.world,
+            period=setup.period,
+            pace=options.pace,
+            say_limit=setup.say_limit,
+            say_range=setup.say_range,
+            command_timeout=setup.command_timeout,
+            grace=options.grace,
+        )
+
     # ------------------------------------------------------------ changes
 
     def queue_change(self, request: Callable[[float], None]) -> None:
         """Call `request` with the time as soon as changes may act."""
         self._queue.append(request)
+
+    @property
+    def last_queued(self) -> Callable[[float], None] | None:
+        """The last change in the queue, None if there is none."""
+        return self._queue[-1] if self._queue else None
 
     def make_queued_changes(self, now: float) -> None:
         """Make the queued changes, and further ones that these queue."""
@@ -181,6 +199,14 @@ class ServiceState:
         for event in events:
             self.publisher.put_event(event)
         return outcome
+
+    def apply_all(self, changes: Sequence[Change]) -> tuple[Outcome, ...]:
+        """Change the world several times, with one set of bodies made at the end; return the outcome of each change."""
+        outputs = self.run.apply_all(changes)
+        self.publisher.schedule.mark_changed()
+        for event in outputs.events:
+            self.publisher.put_event(event)
+        return outputs.outcomes
 
     def answer_steps(self, code: ResultCode, text: str | None = None) -> None:
         """Answer the operator who asked for steps, if any, and make no more of them."""

@@ -12,18 +12,16 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import zenoh
 
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.keys import Claim, Keys, OutKind
-from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_schemas.keys import Keys, OutKind
+from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record
 from intellwheels_schemas.own_rights import denied_service
-from intellwheels_schemas.process import SLICE
-from intellwheels_schemas.repliers import mark_of
 from intellwheels_schemas.router_link import open_words
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
@@ -31,25 +29,18 @@ from intellwheels_server.log.run_files import RunFiles
 from intellwheels_server.log.run_recorder import RunRecorder
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service import console
-from intellwheels_server.service.arrival import Arrival
 from intellwheels_server.service.arrival_reader import ArrivalReader
+from intellwheels_server.service.claim_watch import PRESENCE_TIMEOUT, ClaimWatch, WorldTakenError, boot_time
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
+from intellwheels_server.service.main_loop import Service, run_service
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.side_process import SideProcess
-from intellwheels_server.service.world_claim import WorldClaim
-from intellwheels_server.world import State
 
 SHUTDOWN_TIME: Final = 0.1
 """Seconds that the last messages get to leave before the session closes."""
-PRESENCE_TIMEOUT: Final = 1.0
-"""Seconds in which another simulator of this world would answer."""
-
-
-class WorldTakenError(RuntimeError):
-    """Another simulator runs this world; the text says where."""
 
 
 class ZenohOutlet:
@@ -64,24 +55,29 @@ class ZenohOutlet:
         self._session = session
         self._keys = keys
         self._agents: dict[str, dict[str, tuple[zenoh.Publisher, Encoding]]] = {}
+        self._put_measures: dict[str, Callable[[bytes], None]] = {}
         self._parts: dict[int, zenoh.Publisher] = {}
         self._bodies: dict[str, zenoh.Publisher] = {}
         self._poses: dict[str, zenoh.Publisher] = {}
+        self._crews: dict[str, tuple[zenoh.Publisher, Encoding]] = {}
+        self._state_readers = link.declare(session, keys.every_state, CHANNELS["state"])
         self._event = link.declare(session, keys.event, CHANNELS["event"])
         self._clock = link.declare(session, keys.clock, CHANNELS["clock"])
         self._map = link.declare(session, keys.map, CHANNELS["map"])
 
     def agent(self, agent: str, kind: OutKind, message: Record, encoding: Encoding) -> None:
         """Put `out/<agent>/<kind>`, also for an agent that has not joined."""
-        publishers = self._agents.get(agent)
-        if publishers is not None:
-            publisher, declared = publishers[kind]
-            if declared is encoding:
-                publisher.put(encode(message, encoding))
-                return
+        publisher, declared = self._agents.get(agent, {}).get(kind, (None, None))
+        if publisher is not None and declared is encoding:
+            publisher.put(encode(message, encoding))
+            return
         once = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
         once.put(encode(message, encoding))
         _undeclare(once)
+
+    def put_measures(self, agent: str, data: bytes, _encoding: Encoding, /) -> None:
+        """Put the bytes of measures on `out/<agent>/measures`. The agent must be declared, with that encoding."""
+        self._put_measures[agent](data)
 
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare the publishers of an agent, except those that are declared already."""
@@ -91,15 +87,38 @@ class ZenohOutlet:
             if kind not in publishers or publishers[kind][1] is not encoding:
                 if kind in publishers:
                     _undeclare(publishers[kind][0])
-                key = self._keys.out(agent, kind)
-                publishers[kind] = (link.declare(self._session, key, CHANNELS[kind], encoding), encoding)
+                publisher = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
+                publishers[kind] = publisher, encoding
+        self._put_measures[agent] = publishers["measures"][0].put
 
     def undeclare_agent(self, agent: str) -> None:
         """Undeclare the publishers of an agent."""
+        self._put_measures.pop(agent, None)
         for publisher, _ in self._agents.pop(agent, {}).values():
             _undeclare(publisher)
         if agent in self._bodies:
             _undeclare(self._bodies.pop(agent))
+
+    def crew_measures(self, crew: str, data: bytes, encoding: Encoding) -> None:
+        """Put encoded `CrewMeasures` on `crew/<crew>/measures`."""
+        known = self._crews.get(crew)
+        if known is None or known[1] is not encoding:
+            self.undeclare_crew(crew)
+            key = self._keys.crew_measures(crew)
+            known = (link.declare(self._session, key, CHANNELS["crew_measures"], encoding), encoding)
+            self._crews[crew] = known
+        known[0].put(data)
+
+    def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
+        """Put `crew/<crew>/error`, also for a crew that has not joined."""
+        once = link.declare(self._session, self._keys.crew_error(crew), CHANNELS["crew_error"], encoding)
+        once.put(encode(error, encoding))
+        _undeclare(once)
+
+    def undeclare_crew(self, crew: str) -> None:
+        """Undeclare the publisher of a crew, if there is one."""
+        if crew in self._crews:
+            _undeclare(self._crews.pop(crew)[0])
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""
@@ -113,13 +132,15 @@ class ZenohOutlet:
             self._poses[agent] = link.declare(self._session, self._keys.pose(agent), CHANNELS["pose"])
         self._poses[agent].put(encode(pose))
 
-    def state(self, state: WorldState) -> None:
-        """Put `state/<part>`."""
-        publisher = self._parts.get(state.part)
-        if publisher is None:
-            publisher = link.declare(self._session, self._keys.state(state.part), CHANNELS["state"])
-            self._parts[state.part] = publisher
-        publisher.put(encode(state))
+    def put_state(self, part: int, data: bytes) -> None:
+        """Put the bytes of a part of the state on `state/<part>`."""
+        if part not in self._parts:
+            self._parts[part] = link.declare(self._session, self._keys.state(part), CHANNELS["state"])
+        self._parts[part].put(data)
+
+    def is_state_read(self) -> bool:
+        """Return whether anybody subscribes to a part of the state. Nothing is put with this publisher."""
+        return bool(self._state_readers.matching_status.matching)  # type: ignore[attr-defined]  # Zenoh says bool
 
     def event(self, event: Event) -> None:
         """Put `event`."""
@@ -140,39 +161,6 @@ class ZenohOutlet:
     def log_line(self, line: str) -> None:
         """Print a line for people."""
         console.log_line(line)
-
-
-class Service(Protocol):
-    """A live run or the playback of a log, as the main loop uses it."""
-
-    @property
-    def exit(self) -> int | None:
-        """The exit code of the process once the service is over, else None."""
-
-    @property
-    def state(self) -> State:
-        """The world."""
-
-    def digest(self) -> str:
-        """Return the hash of the state."""
-
-    def begin(self) -> None:
-        """Publish what is known before anything happens."""
-
-    def take(self, arrival: Arrival, now: float) -> None:
-        """Take what arrived."""
-
-    def work(self, now: float) -> None:
-        """Do everything that is due."""
-
-    def due(self, now: float) -> float:
-        """Return when to call `work` next if nothing arrives."""
-
-    def spend(self, seconds: float, now: float) -> None:
-        """Note that its work has taken so many seconds until now."""
-
-    def finish(self, now: float) -> None:
-        """Publish what is left before the service ends."""
 
 
 def serve(
@@ -214,7 +202,7 @@ def serve(
         # Before a log is opened: a simulator that must end would replace the log of the one that goes on.
         claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         outlet = ZenohOutlet(session, keys)
-        unix_time = steady_unix_time(time.time, _boot_time)
+        unix_time = steady_unix_time(time.time, boot_time)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
             playback = Playback(options, outlet, unix_time, recording, poses)
@@ -238,73 +226,6 @@ def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
         )
 
 
-class ClaimWatch:
-    """Claims the world for this process, and watches the claims of others.
-
-    Args:
-        session: The Zenoh session.
-        keys: The keys of this world.
-
-    Raises:
-        WorldTakenError: Another simulator claimed it earlier.
-    """
-
-    def __init__(self, session: zenoh.Session, keys: Keys) -> None:
-        self._session, self._keys = session, keys
-        self._inbox = zenoh_inbox.Inbox()
-        own = Claim(time.time_ns(), mark_of(str(session.info.zid())))
-        self._token: Any = link.declare_token(session, keys.claim(own))
-        self._watch = link.watch_tokens(session, keys.every_claim, self._inbox)
-        self._claim = WorldClaim(own, _boot_time())
-        self._asked = 0.0
-        for key in link.tokens(session, keys.every_claim, timeout=PRESENCE_TIMEOUT):
-            self._take(key, alive=True)
-        try:
-            self.begin()
-            self.check()
-            while self._claim.is_contested:
-                self._inbox.wait(SLICE)
-                self.check()
-        except WorldTakenError:
-            self.close()
-            raise
-
-    def begin(self) -> None:
-        """Note that `check` is called from now on, at least once a second."""
-        self._claim.begin(_boot_time())
-
-    def check(self) -> None:
-        """Take what is known of other claims.
-
-        Raises:
-            WorldTakenError: This simulator must end.
-        """
-        now = _boot_time()
-        for arrival in self._inbox.take():
-            if isinstance(arrival, zenoh_inbox.Presence):
-                self._take(arrival.key, alive=arrival.alive)
-        why = self._claim.yields(now)
-        if why is not None:
-            raise WorldTakenError(f"world '{self._keys.world}': {why}, so this one ends")
-        if self._claim.is_in_doubt(now) and now - self._asked >= SLICE:
-            self._asked = now
-            link.look_for_tokens(self._session, self._keys.every_claim, self._inbox)
-
-    def close(self) -> None:
-        """Give up the claim."""
-        _undeclare(self._watch)
-        _undeclare(self._token)
-
-    def _take(self, key: str, *, alive: bool) -> None:
-        claim = self._keys.parse_claim(key)
-        if claim is None:
-            return
-        if alive:
-            self._claim.add(claim, _boot_time())
-        else:
-            self._claim.remove(claim)
-
-
 def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> Callable[[], float]:
     """Return a clock of Unix time in seconds that never goes back, as stamps order messages.
 
@@ -314,11 +235,6 @@ def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> 
     """
     offset = wall() - steady()
     return lambda: offset + steady()
-
-
-def _boot_time() -> float:
-    """Return seconds of a clock that goes on while the machine sleeps."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def _serve(
@@ -336,9 +252,10 @@ def _serve(
         service.begin()
         for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
-        stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
-        for key in (keys.every_join, keys.every_leave, *keys.every_ctl, keys.every_body, keys.every_state, keys.map,
-                    keys.event, keys.clock):  # fmt: skip
+        for key in (keys.every_token, keys.every_crew_token):
+            stack.enter_context(link.watch_tokens(session, key, inbox))
+        for key in (keys.every_join, keys.every_leave, keys.every_crew_join, keys.every_crew_leave, *keys.every_ctl,
+                    keys.every_body, keys.every_state, keys.map, keys.event, keys.clock):  # fmt: skip
             stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
@@ -348,44 +265,13 @@ def _serve(
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
             claim.begin()
-            _loop(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
+            run_service(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")
         finally:
             token.undeclare()
         time.sleep(SHUTDOWN_TIME)
     return service.exit or 0
-
-
-def _loop(
-    service: Service,
-    reader: ArrivalReader,
-    inbox: zenoh_inbox.Inbox,
-    stop: threading.Event,
-    check_claim: Callable[[], None],
-    flush_if_due: Callable[[float], None],
-) -> None:
-    """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
-    dropped = 0
-    while service.exit is None and not stop.is_set():
-        now = time.monotonic()
-        # A long wait in the main thread could delay a signal, so no wait is longer than a slice.
-        left = min(service.due(now) - now, SLICE)
-        if left > 0.0:
-            inbox.wait(left)
-            now = time.monotonic()
-        check_claim()
-        for delivered in inbox.take():
-            arrival = reader.read(delivered)
-            if arrival is not None:
-                service.take(arrival, now)
-        service.work(now)
-        flush_if_due(now)
-        done = time.monotonic()
-        service.spend(done - now, done)
-        if inbox.dropped != dropped:
-            console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
-            dropped = inbox.dropped
 
 
 def _undeclare(publisher: Any) -> None:

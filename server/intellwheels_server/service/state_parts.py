@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Final
 
 import msgspec
 
 from intellwheels_schemas.messages import Entity, WorldState
+from intellwheels_server.world.state_writer import WrittenState
 
 PART_BYTES: Final = 48_000
 """Size of a part as JSON: messages above 60 kB delay a healthy reader a hundredfold."""
@@ -27,6 +29,23 @@ def split_state(
         WorldState(run=run, tick=tick, time=time, part=part, parts=len(chunks), entity=tuple(chunk))
         for part, chunk in enumerate(chunks)
     ]
+
+
+def split_written(run: str, tick: int, time: float, written: WrittenState, limit: int = PART_BYTES) -> list[bytes]:
+    """Return at least one part as bytes, with the entities in order; each part is within the limit."""
+    ends = written.ends
+    cuts, begin = [0], 0
+    for at in range(1, len(ends)):
+        if ends[at] - begin > limit - _HEADER_BYTES and at - 1 > cuts[-1]:
+            cuts.append(at - 1)
+            begin = ends[at - 1]
+    cuts.append(len(ends) - 1)
+    found = []
+    for part, (first, last) in enumerate(pairwise(cuts)):
+        empty = _encode(WorldState(run=run, tick=tick, time=time, part=part, parts=len(cuts) - 1))
+        entities = written.data[ends[first] : ends[last] - 1]
+        found.append(b"".join((empty[:-1], b',"Entity":[', entities, b"]}")) if entities else empty)
+    return found
 
 
 def _chunks(entities: Sequence[Entity], limit: int) -> list[Sequence[Entity]]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from intellwheels_server.world import State
 from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.kernels.arrays import Floats
 
 
 class Travelled(NamedTuple):
@@ -51,6 +52,17 @@ class TravelledPaths:
         """Return what each body has travelled that was there at a step."""
         lengths, angles, _ = self._sums.round(6).tolist()
         return {name: Travelled(*sums) for name, *sums in zip(self._names, lengths, angles, strict=True)}
+
+    def columns(self, names: tuple[str, ...]) -> Floats:
+        """Return float64[2, n]: length and largest angle of each body, not rounded; NaN for one that was at no step."""
+        if names == self._names:
+            return self._sums[:2]
+        found = np.full((2, len(names)), math.nan)
+        known = {name: at for at, name in enumerate(self._names)}
+        for at, name in enumerate(names):
+            if name in known:
+                found[:, at] = self._sums[:2, known[name]]
+        return found
 
     def forget(self, agent: str) -> None:
         """Forget a body that is gone."""

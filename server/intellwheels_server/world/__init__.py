@@ -86,18 +86,24 @@ def apply(state: State, changes: Sequence[Change], walls: Walls | None = None) -
     return change(state, changes, walls)
 
 
-def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:
+def advance(state: State, inputs: Inputs, *, threads: int = 1) -> tuple[State, Outputs]:
     """Return the state one tick later, and the outputs.
 
     Args:
         state: Is not changed.
         inputs: Its changes are made first; everything else acts on the step.
+        threads: Threads that share the proximity sensors of 200 bodies or more. The state is equal to the bit for any
+            number of them.
 
     Raises:
         RuntimeError: The run has ended, and the changes have no `GoOn` or `Restart`.
     """
-    state, before = apply(state, inputs.changes)
+    before = None
+    if inputs.changes:
+        state, before = apply(state, inputs.changes)
     if state.ended:
         raise RuntimeError(f"run {state.run} ended at tick {state.tick}: expected GoOn or Restart before another step")
-    state, events, ended = step(state, inputs)
+    state, events, ended = step(state, inputs, threads)
+    if before is None:
+        return state, Outputs(events=events, ended=ended)
     return state, Outputs(outcomes=before.outcomes, events=before.events + events, ended=ended)

@@ -31,7 +31,7 @@ def outside(walls: Walls, floor: Map, x: float, y: float) -> str | None:
     """Return what is wrong with a position outside a map with outer walls, or None.
 
     A position is outside if it is beyond the box of all walls, obstacles and places. A map without outer walls, such as
-    a plane with a few obstacles, ends nowhere.
+    a plane with a few obstacles, has no boundary.
 
     Args:
         walls: The walls of the map.
@@ -41,9 +41,17 @@ def outside(walls: Walls, floor: Map, x: float, y: float) -> str | None:
     """
     if not len(walls.pieces):
         return None
+    west, south, east, north = (
+        walls.pieces[:, PIECE_X0].min(),
+        walls.pieces[:, PIECE_Y0].min(),
+        walls.pieces[:, PIECE_X1].max(),
+        walls.pieces[:, PIECE_Y1].max(),
+    )
+    if west <= x <= east and south <= y <= north:  # most are, and a map may have ten thousand places
+        return None
     spots = [(spot.x, spot.y) for spot in floor.grid.position] if floor.grid is not None else []
-    low = np.min([*spots, (walls.pieces[:, PIECE_X0].min(), walls.pieces[:, PIECE_Y0].min())], axis=0)
-    high = np.max([*spots, (walls.pieces[:, PIECE_X1].max(), walls.pieces[:, PIECE_Y1].max())], axis=0)
+    low = np.min([*spots, (west, south)], axis=0)
+    high = np.max([*spots, (east, north)], axis=0)
     if low[0] <= x <= high[0] and low[1] <= y <= high[1]:
         return None
     if not (_encloses(walls, EDGE_X, EDGE_Y) and _encloses(walls, EDGE_Y, EDGE_X)):

@@ -40,6 +40,16 @@ class OccupiedSpace:
         self._poses: dict[str, tuple[float, float, float]] = {}
         self._anchored: set[str] = set()
         self._arrays: _Arrays | None = None
+        self._starts: dict[str, tuple[tuple[str, Position], ...]] = {}
+        # Positions at which a shape overlaps something, by the bytes of its parts, until a body moves or goes.
+        self._blocked: dict[bytes, set[Position]] = {}
+
+    def starts_for(self, kind: str) -> tuple[tuple[str, Position], ...]:
+        """Return the names and poses of the places where a body of a kind may start without asking for one."""
+        if kind not in self._starts:
+            spots = places_for(self._floor, kind)
+            self._starts[kind] = tuple((spot.name, position_of(spot)) for spot in spots)
+        return self._starts[kind]
 
     def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
         """Add a body at a pose, or move it there."""
@@ -50,12 +60,15 @@ class OccupiedSpace:
         if model.robot.anchored:
             self._anchored.add(name)
         self._arrays = None if known or self._arrays is None else self._extended(self._arrays, name)
+        if known:
+            self._blocked.clear()
 
     def remove(self, name: str) -> None:
         """Remove a body."""
         del self._parts[name], self._radii[name], self._poses[name]
         self._anchored.discard(name)
         self._arrays = None
+        self._blocked.clear()
 
     def outside(self, position: Position) -> str | None:
         """Return what is wrong with a position outside a map with outer walls, or None."""
@@ -78,12 +91,17 @@ class OccupiedSpace:
         parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
         names, poses, radii, others, starts = self._blocks()
         skip = names.index(model.name) if model.name in self._parts else -1
+        blocked = self._blocked.setdefault(parts.tobytes(), set()) if skip < 0 else set()
         for position in positions:
-            pose = (position.x, position.y, position.heading)
-            if overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH):
+            if position in blocked:
                 continue
-            if deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH:
+            pose = (position.x, position.y, position.heading)
+            if (
+                not overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH)
+                and deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH
+            ):
                 return position
+            blocked.add(position)
         return None
 
     def may_be_swept(self, model: BodyModel, position: Position) -> bool:
@@ -91,6 +109,8 @@ class OccupiedSpace:
 
         Both count as circles around their centres of movement, whichever way they turn.
         """
+        if not self._anchored:
+            return False
         radius = radius_of(model.shape.boxes)
         for name in self._anchored - {model.name}:
             x, y, _ = self._poses[name]
@@ -160,7 +180,7 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
     """
     robot = model.robot
     spots = floor.grid.position if floor.grid is not None else ()
-    kept = {spot.name: position_of(spot) for spot in spots if spot.name in reserved}
+    kept = {spot.name: position_of(spot) for spot in spots if spot.name in reserved} if reserved else {}
     wanted = None
     if robot.place is not None:
         wanted = position_of(place_named(floor, robot.place))
@@ -179,7 +199,7 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
             text = f"agent '{model.name}' would be in the way at place '{near}', which is kept for another agent"
             raise RequestRefusedError("overlaps", text)
         return wanted
-    positions = [position_of(spot) for spot in places_for(floor, robot.kind) if spot.name not in kept]
+    positions = [position for name, position in space.starts_for(robot.kind) if name not in kept]
     for swept in (False, True):
         those = (one for one in positions if space.may_be_swept(model, one) is swept)
         free = space.first_free(model, (one for one in those if _kept_near(model, one, kept) is None))
@@ -197,6 +217,8 @@ def _kept_near(model: BodyModel, position: Position, kept: Mapping[str, Position
 
     Who will come to the place is not known. Bodies on a map are about as large as each other.
     """
+    if not kept:
+        return None
     parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
     here = position.x, position.y, position.heading
     starts = np.array([0, len(parts)], dtype=np.int64)

@@ -10,16 +10,20 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from msgspec import structs
 from numba.core import event
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.file_records import Inputs, Join, TeleportBody
 from intellwheels_schemas.messages import Actions, Position, Robot
 from intellwheels_schemas.process import PYTHON
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
+from intellwheels_server.world.measures_writer import MeasuresWriter
 from intellwheels_server.world.sensors.catalogue import example_sensors
+from intellwheels_server.world.state_writer import StateWriter
 
 HELPER_TIMEOUT = 120.0
 """Seconds that the second process may take to compile its half."""
@@ -131,7 +135,10 @@ def _exercise() -> None:
         state, _ = apply(state, [change])
         for _ in range(12):
             state, _ = advance(state, Inputs(actions=drive))
+    for encoding in Encoding:
+        MeasuresWriter(encoding).write(state, state.names)
     for name in state.names:
         measures(state, name)
     entities(state)
+    StateWriter().write(state, {}, np.zeros((2, len(state.names))))
     digest(state)

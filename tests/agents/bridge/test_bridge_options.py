@@ -3,13 +3,14 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.bridge.bridge_options import parser
+from tests.every_case import every_case
 
 
 def test_help_has_examples() -> None:
     assert "iw-bridge serial --port /dev/ttyUSB0 --name chair1" in parser().format_help()
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "expected"),
     [
         (["--wheel-ratio", "3"], "--wheel-ratio: expected a number in [0.5, 2], got '3'"),

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-import pytest
-
 from intellwheels_agents.bridge.event_notices import EventNotices
 from intellwheels_schemas.messages import Body, Event, EventCode, Robot
+from tests.every_case import every_case
 
 RUN, OWN, OTHER = "a" * 16, "b" * 16, "c" * 16
 
@@ -12,7 +11,7 @@ def event(code: EventCode, agent: str = "chair1", text: str | None = None) -> Ev
     return Event(run=RUN, tick=7, number=1, code=code, agent=agent, text=text)
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("code", "text", "line"),
     [
         ("deleted", None, "removed agent=chair1 tick=7 reason=deleted"),

@@ -5,19 +5,18 @@ from __future__ import annotations
 import inspect
 import threading
 
-import pytest
-
 from intellwheels_agents.bridge.hardware_driver import Driver, Fix, Reading, RealHardware
 from intellwheels_agents.bridge.luci_driver import LuciDriver
 from intellwheels_agents.bridge.rnet_driver import RnetDriver
 from intellwheels_agents.bridge.serial_driver import SerialDriver
 from intellwheels_agents.bridge.world_driver import WorldDriver
+from tests.every_case import every_case
 
 ASKED = [name for name, _ in inspect.getmembers(Driver, inspect.isfunction) if not name.startswith("_")]
 
 
-@pytest.mark.parametrize("driver", [WorldDriver, SerialDriver, LuciDriver, RnetDriver])
-@pytest.mark.parametrize("method", ASKED)
+@every_case("driver", [WorldDriver, SerialDriver, LuciDriver, RnetDriver])
+@every_case("method", ASKED)
 def test_a_driver_takes_what_the_bridge_gives_it(driver: type, method: str) -> None:
     wanted = inspect.signature(getattr(Driver, method)).parameters.values()
     offered = inspect.signature(getattr(driver, method)).parameters.values()

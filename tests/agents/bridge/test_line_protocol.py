@@ -19,6 +19,7 @@ from intellwheels_agents.bridge.line_protocol import (
     encode_line,
 )
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 MESSAGES: list[Message] = [
     Telemetry(1, 12, 240, 1200, -3, 24800, None, (1250, "n", "c", "f")),
@@ -47,7 +48,7 @@ def test_the_example_lines_of_the_protocol_are_valid() -> None:
     assert [decode_line(line.encode()) for line in lines] == [MESSAGES[0], MESSAGES[2], MESSAGES[3]]
 
 
-@pytest.mark.parametrize(
+@every_case(
     "body", [b"P 1001 0", b"P 1 2 3", b"P 1", b"P x 0", b"P  1", b"P 1.0 0", b"Q 1", b"T 1 2 3", b"", b"P \xb2 0",
              b"T 1 1 1 1 1 1 - 5", b"T 1 1 1 1 1 1 - - q", b"F 1 1 99999999 0 0", b"T -1 1 1 1 1 1 - -",
              b"T 1 4294967296 1 1 1 1 - -", b"T 1 1 4294967296 1 1 1 - -", b"T 4294967296 1 1 1 1 1 - -",

@@ -6,6 +6,7 @@ import pytest
 
 from intellwheels_agents.bridge.luci_options import add_luci_options, listen_address, luci_address
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 
 @pytest.mark.parametrize(
@@ -20,9 +21,7 @@ def test_an_address_has_a_port(text: str, address: str) -> None:
     assert luci_address(text) == address
 
 
-@pytest.mark.parametrize(
-    "text", ["", ":1", "host:0", "host:65536", "host:x", "http://host", "unix:/tmp/x", "a b", "::1"]
-)
+@every_case("text", ["", ":1", "host:0", "host:65536", "host:x", "http://host", "unix:/tmp/x", "a b", "::1"])
 def test_anything_else_is_refused(text: str) -> None:
     with pytest.raises(WireError, match="--address: expected HOST or HOST:PORT, got"):
         luci_address(text)

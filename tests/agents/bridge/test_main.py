@@ -3,9 +3,10 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.bridge import main
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "expected"),
     [
         (["serial", "--name", "chair1"], "--port: expected a device with the driver serial"),

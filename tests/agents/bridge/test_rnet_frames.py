@@ -18,9 +18,10 @@ from intellwheels_agents.bridge.rnet_frames import (
     joystick_frame,
 )
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("identifier", "data", "content"),
     [
         # The first byte is to the right, the second forward: here 25 % to the left and full backward.

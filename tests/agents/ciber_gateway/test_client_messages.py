@@ -18,6 +18,7 @@ from intellwheels_agents.ciber_gateway.client_messages import (
     read_registration,
 )
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 BOMB = b'<!DOCTYPE a [<!ENTITY b "ha"><!ENTITY c "&b;&b;&b;&b;">]><Actions LeftMotor="&c;"/>'
 
@@ -33,7 +34,7 @@ def test_registrations(data: bytes, expected: Registration) -> None:
     assert read_registration(data) == expected
 
 
-@pytest.mark.parametrize(("data", "text"), [
+@every_case(("data", "text"), [
     (b"", "datagram: expected well-formed XML"),
     (b'<Robot Name="R2"', "datagram: expected well-formed XML"),
     (b"<Robot/>", "Robot.Name: expected 1 to 64 characters, got null"),

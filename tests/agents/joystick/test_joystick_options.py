@@ -9,6 +9,7 @@ import pytest
 from intellwheels_agents.joystick.joystick_options import check, parser
 from intellwheels_agents.joystick.lsl_channels import ChannelUse
 from intellwheels_agents.joystick.sip_and_puff import DEFAULT_KEYS
+from tests.every_case import every_case
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
@@ -19,7 +20,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "said"),
     [
         ("--source lsl", "--stream-name, --stream-type: expected at least one with --source lsl, got none"),

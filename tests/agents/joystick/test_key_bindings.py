@@ -7,12 +7,13 @@ import pytest
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.key_bindings import DEAD_ZONE, GENTLE, from_keys, from_stick, without_dead_zone
 from intellwheels_viewer.panels import drive_panel, stick_input
+from tests.every_case import every_case
 
 G, F, T = GENTLE, 0.8, 0.4
 """The share of a key without shift, and shares of full forward and turn."""
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("held", "state"),
     [
         ("", NEUTRAL),

@@ -16,6 +16,7 @@ from intellwheels_agents.joystick.lsl_channels import (
     parse_threshold,
     parse_uses,
 )
+from tests.every_case import every_case
 
 AXES = parse_uses("forward=0,turn=1*-0.5", "--axes")
 COMMANDS = parse_uses("forward=0,left=1,stop=2", "--commands")
@@ -152,7 +153,7 @@ def test_a_channel_that_the_stream_lacks_and_a_stream_of_the_other_kind_are_refu
         stream()
 
 
-@pytest.mark.parametrize(
+@every_case(
     "text",
     ["", "forward", "forward=", "=0", "up=0", "forward=0,forward=1", "forward=0*", "forward=0*x", "forward=0*nan",
      "forward=0*0", "forward=0,,turn=1"],

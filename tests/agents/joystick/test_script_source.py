@@ -9,6 +9,7 @@ import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, parse, read
+from tests.every_case import every_case
 
 TEXT = """\
 # a bend
@@ -29,7 +30,7 @@ def test_the_state_at_a_time() -> None:
     assert script.at(3.5) is None
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("text", "message"),
     [
         ("", "bend: expected at least one line, got none"),

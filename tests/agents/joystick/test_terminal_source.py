@@ -15,6 +15,7 @@ from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.scan_keys import ScanKeys
 from intellwheels_agents.joystick.terminal_source import ESCAPE_TIMEOUT, KEY_TIMEOUT, TerminalKeys, TerminalSource
 from intellwheels_schemas.switch_scan import ScanSettings
+from tests.every_case import every_case
 
 DEADLINE = 10.0
 
@@ -25,7 +26,7 @@ def held(text: str) -> set[str]:
     return keys.held(1.0)
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("text", "names"),
     [
         ("w", {"w"}),

@@ -22,7 +22,7 @@ def near(arena: Arena, name: str, x: float, y: float, within: float = 0.3) -> bo
     return math.dist(arena.paths[name][-1][:2], (x, y)) <= within
 
 
-@pytest.mark.parametrize("scene", [3, 5])
+@pytest.mark.parametrize("scene", [3, pytest.param(5, marks=pytest.mark.soak)])
 def test_chair_reaches_a_place_of_the_ward(scene: int) -> None:
     (row,), _ = trial(scene, 1, 120.0, {})
     assert row.reached

@@ -15,6 +15,8 @@ from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
 
 SEEDS = [str(seed) for seed in range(1, 21)]
+FEW_OR_ALL = [*SEEDS[:4], *(pytest.param(seed, marks=pytest.mark.soak) for seed in SEEDS[4:])]
+"""Seeds of the suite, and the others of the soak tests."""
 STRETCH = {"MotorNoise": "0.05"}
 
 
@@ -59,7 +61,7 @@ def test_two_people_who_meet_pass_each_other(seed: str, aside: float) -> None:
     assert arena.contacts() == []
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", FEW_OR_ALL)
 def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> None:
     rng = np.random.default_rng(int(seed))
     arena = Arena(corridor(20.0, 3.4), seed)
@@ -80,7 +82,7 @@ def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> N
 
 
 @pytest.mark.parametrize("name", ["crossing", "corner"])
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", FEW_OR_ALL)
 def test_everybody_in_the_scene_arrives_without_contact(name: str, seed: str) -> None:
     document = scene(name)
     arena = Arena.of(document, seed)
@@ -101,9 +103,11 @@ def test_everybody_in_the_scene_arrives_without_contact(name: str, seed: str) ->
     assert arena.contacts() == []
 
 
-@pytest.mark.parametrize(("density", "settle", "seconds"), [(0.5, 6.0, 8.0), (1.0, 4.0, 6.0), (2.0, 3.0, 3.0)])
-def test_flow_of_a_crowd_is_near_weidmanns(density: float, settle: float, seconds: float) -> None:
-    crowd = Corridor(density)
+@pytest.mark.parametrize(
+    ("density", "length", "settle", "seconds"), [(0.5, 6.0, 6.0, 8.0), (1.0, 6.0, 4.0, 6.0), (2.0, 4.0, 3.0, 3.0)]
+)
+def test_flow_of_a_crowd_is_near_weidmanns(density: float, length: float, settle: float, seconds: float) -> None:
+    crowd = Corridor(density, length)
     assert crowd.flow(settle, seconds) == pytest.approx(density * weidmann(density), rel=0.2)
 
 

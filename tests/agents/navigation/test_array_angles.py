@@ -10,6 +10,7 @@ import pytest
 
 from intellwheels_agents.navigation import array_angles
 from intellwheels_agents.navigation.array_angles import sines, wrapped_all
+from tests.every_case import every_case
 
 FOLDER = Path(array_angles.__file__).parent
 ROUNDED_RIGHT = {
@@ -34,7 +35,7 @@ def test_wrapped_angles_are_within_half_a_turn() -> None:
     assert wrapped_all(np.array([0.5, 7.0, -7.0])) == pytest.approx([0.5, 7.0 - 2 * np.pi, 2 * np.pi - 7.0])
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.name)
+@every_case("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.name)
 def test_package_uses_of_numpy_only_what_is_the_same_everywhere(path: Path) -> None:
     used = {
         node.attr

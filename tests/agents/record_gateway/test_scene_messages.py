@@ -12,9 +12,10 @@ from intellwheels_maps import floor, names, robot
 from intellwheels_schemas.messages import Proximity, ProximityReading, Robot
 from intellwheels_schemas.rules import parts_of
 from tests.agents.record_gateway.decoded import decoded
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_every_wall_of_a_map_has_a_face_for_each_side(name: str) -> None:
     document = floor(name)
     (entity,) = decoded(scene.floor_update(document, map_cells(document), 5)).entities
@@ -32,7 +33,7 @@ def test_a_grid_has_a_byte_for_each_cell() -> None:
     assert (found.pose.position.x, found.cell_size.x) == (cells.west, cells.size)
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_a_body_is_its_boxes_in_the_frame_of_its_agent(name: str) -> None:
     (entity,) = decoded(scene.body_update("c", robot(name), 5)).entities
     assert (entity.frame_id, entity.frame_locked) == ("c/body", True)

@@ -15,6 +15,7 @@ from intellwheels_maps import names, robot
 from intellwheels_schemas.messages import Measures
 from tests.agents.ros_gateway.made_up import CHAIR, PERIOD, measured, readings
 from tests.agents.ros_gateway.stand_in_node import STORE, seconds_of
+from tests.every_case import every_case
 
 START = PlanePose(3.0, 2.0, math.pi / 2.0)
 
@@ -27,7 +28,7 @@ def sent(messages: ChairMessages, measures: Measures) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_every_included_robot_has_topics_for_its_sensors(name: str) -> None:
     topics = [topic.name for topic in chair_topics("c", robot(name))]
     assert len(set(topics)) == len(topics)

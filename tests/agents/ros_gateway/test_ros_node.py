@@ -17,6 +17,7 @@ from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_schemas import link
 from intellwheels_schemas.router_link import open_router
 from tests.agents.ros_gateway.stand_in_node import StandInNode, twist
+from tests.every_case import every_case
 
 ATTACHED = Attachment(1, 2, bytes(16)).encoded()
 OF_TWIST = ros_type(TWIST)
@@ -64,7 +65,7 @@ def test_message_of_a_known_type_passes(type_hash: str) -> None:
     assert (found[0], found[1].linear.x, log) == (TWIST, 0.5, [])
 
 
-@pytest.mark.parametrize(("one", "text"), [
+@every_case(("one", "text"), [
     (arrival(key(), DATA, None), "attachment: expected 33 bytes, got none"),
     (arrival(key(), DATA, b"x"), "attachment: expected 33 bytes, got 1 bytes"),
     (arrival(key(), DATA, bytes(33)), "attachment: expected an id of 16 bytes"),

@@ -10,6 +10,7 @@ from intellwheels_agents.ros_gateway.ros_types import blank, decode_message, enc
 from intellwheels_agents.ros_gateway.simulation_types import SERVICES
 from intellwheels_schemas.errors import WireError
 from tests.agents.ros_gateway.stand_in_node import HASHES
+from tests.every_case import every_case
 
 OF_THE_C_CODE = {
     "SpawnEntity": "66860313e11009faddbfc8568e5d410d1a11607fe75eeb1308671dc0406fe3a7",
@@ -46,12 +47,12 @@ PAYLOADS = {
 """Messages of the real node."""
 
 
-@pytest.mark.parametrize("name", [name for name, known in HASHES.items() if known])
+@every_case("name", [name for name, known in HASHES.items() if known])
 def test_hash_of_a_message_is_that_of_the_real_node(name: str) -> None:
     assert ros_type(name).hash == f"RIHS01_{HASHES[name]}"
 
 
-@pytest.mark.parametrize("name", OF_THE_C_CODE)
+@every_case("name", OF_THE_C_CODE)
 def test_hash_of_a_service_is_that_of_its_package(name: str) -> None:
     assert ros_type(f"simulation_interfaces/srv/{name}").hash == f"RIHS01_{OF_THE_C_CODE[name]}"
 
@@ -72,7 +73,7 @@ def test_dds_name() -> None:
     assert ros_type("simulation_interfaces/srv/SpawnEntity").dds == "simulation_interfaces::srv::dds_::SpawnEntity_"
 
 
-@pytest.mark.parametrize("name", SERVICES)
+@every_case("name", SERVICES)
 def test_every_service_has_blank_messages_that_can_be_sent(name: str) -> None:
     for part in ("Request", "Response"):
         message = blank(f"simulation_interfaces/srv/{name}_{part}")
@@ -84,18 +85,18 @@ def test_empty_request_is_one_padding_byte() -> None:
     assert encode_message(blank("simulation_interfaces/srv/GetCurrentWorld_Request")) == b"\0\1\0\0\0"
 
 
-@pytest.mark.parametrize("cut", range(0, 50, 7))
+@every_case("cut", range(0, 50, 7))
 def test_truncated_bytes_are_refused(cut: int) -> None:
     data = bytes.fromhex(PAYLOADS["geometry_msgs/msg/Twist"])[:cut]
     with pytest.raises(WireError, match=r"geometry_msgs/msg/Twist: expected a message in CDR, got \d+ bytes"):
         decode_message("geometry_msgs/msg/Twist", data)
 
 
-@pytest.mark.parametrize("data", [
+@every_case("data", [
     b"\0\1\0\0" + b"\xff" * 64, b"\0\1\0\0" + b"\xff\xff\xff\x7f" * 30, b"\0\1\0\0\x05\0\0\0\xff\xfe\xfd\xfc\0",
     b"\0\x03\0\0" + bytes(60), bytes(4000), b"\0\1\0\0" + b"\x01\0\0\0" * 500,
 ])  # fmt: skip
-@pytest.mark.parametrize("name", ["SpawnEntity", "GetEntities", "SetEntityState", "LoadWorld"])
+@every_case("name", ["SpawnEntity", "GetEntities", "SetEntityState", "LoadWorld"])
 def test_other_bytes_are_refused(name: str, data: bytes) -> None:
     with pytest.raises(WireError):
         decode_message(f"simulation_interfaces/srv/{name}_Request", data)

@@ -10,13 +10,14 @@ import pytest
 from intellwheels_agents.ros_gateway.urdf import urdf
 from intellwheels_maps import names, robot
 from intellwheels_schemas.rules import parts_of
+from tests.every_case import every_case
 
 
 def numbers(text: str) -> list[float]:
     return [float(word) for word in text.split()]
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_description_is_a_tree_of_links_with_one_root(name: str) -> None:
     root = ElementTree.fromstring(urdf(robot(name), name))
     links = [link.get("name") for link in root.findall("link")]

@@ -9,6 +9,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Heard, Measures
 from intellwheels_schemas.names import new_hex
+from tests.every_case import every_case
 from tests.experiments.conformance.programs import Program, only_failure
 
 
@@ -26,8 +27,8 @@ def test_program_that_obeys_what_it_hears_fails_that_point_only() -> None:
     assert "nothing in answer to" in failure.got
 
 
-@pytest.mark.parametrize("text", HOSTILE)
-@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
+@every_case("text", HOSTILE)
+@every_case("encoding", [Encoding.JSON, Encoding.XML])
 def test_hostile_texts_are_texts_that_a_simulator_may_send(text: str, encoding: Encoding) -> None:
     heard = Heard(sender="stranger", tick=1, distance=1.0, text=text)
     measures = Measures(run=new_hex(), tick=2, time=0.1, message=(heard,))

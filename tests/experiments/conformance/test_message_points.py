@@ -9,6 +9,7 @@ from intellwheels_experiments.conformance.agent_session import SAY_LIMIT
 from intellwheels_experiments.conformance.probe import ActionsPut
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.messages import Actions, Measures
+from tests.every_case import every_case
 from tests.experiments.conformance.programs import Program, only_failure
 
 
@@ -62,7 +63,7 @@ class Repeats(Program):
         super().act(replace(actions, say=f"I heard {self.heard}" if self.heard.startswith("xxx") else None))
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("program", "point", "expected", "got"),
     [
         (WithoutRun(), "names", "Actions with Tick, Run and Session", 'no Run: {"Session"'),

@@ -108,3 +108,8 @@ def test_all_connect_to_a_router() -> None:
         assert command[command.index("--config") + 1] == "/secure.json5"
         assert command[command.index("--identity") + 1] == "/me.iwid"
         assert "--listen" not in command
+
+
+def test_the_page_is_dark_if_that_is_wanted() -> None:
+    assert "--dark" not in replace(SPEC, view=0).viewer_command(3)
+    assert "--dark" in replace(SPEC, view=0, dark=True).viewer_command(3)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import random
 
 import numpy as np
-import pytest
 import shapely
 
 from intellwheels_maps.importers.cell_outlines import TOLERANCE, cell_area, count_corners, simplified
+from tests.every_case import every_case
 
 
 def cells(seed: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
@@ -27,7 +27,7 @@ def cells(seed: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(30))
+@every_case("seed", range(30))
 def test_area_is_the_number_of_cells_and_no_cell_changes_its_side(seed: int) -> None:
     walls = cells(seed)
     area = cell_area(walls)
@@ -40,7 +40,7 @@ def test_area_is_the_number_of_cells_and_no_cell_changes_its_side(seed: int) -> 
     assert len(shapely.get_coordinates(simple)) < len(shapely.get_coordinates(area))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@every_case("seed", range(10))
 def test_corners_are_counted_before_anything_is_built(seed: int) -> None:
     walls = cells(seed)
     area = cell_area(walls)

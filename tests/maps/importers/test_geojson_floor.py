@@ -11,6 +11,7 @@ from intellwheels_maps.check import check_map
 from intellwheels_maps.importers import Imported
 from intellwheels_maps.site_frame import to_site
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 from tests.maps.importers.drawn_floors import area_of, read
 
 SQUARE = [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]
@@ -87,7 +88,7 @@ def test_what_is_no_collection_is_refused(data: bytes, text: str) -> None:
         read({"f.geojson": data})
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("coordinates", "text"),
     [
         ([[0, 0], [1e9, 0]], r"features\[0\]\.geometry: expected coordinates within 100,000 km"),

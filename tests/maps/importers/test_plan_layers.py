@@ -1,11 +1,10 @@
 from __future__ import annotations
 
-import pytest
-
 from intellwheels_maps.importers.plan_layers import part_of
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("layer", "part"),
     [
         ("A-WALL", "wall"), ("wall", "wall"), ("Walls_ext", "wall"), ("PAREDES", "wall"), ("Wände", "wall"),

@@ -23,7 +23,8 @@ pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="needs the public fl
         ("rmf_clinic.building.yaml", 360, 75, 75, 66.21, 52.89, 40.76),
         ("rmf_hotel.building.yaml", 56, 5, 5, 20.27, 30.5, 33.2),
         ("rmf_hotel.building.yaml#L2", 99, 7, 7, 31.00, 30.52, 33.17),
-        ("office_cad.dxf", 222, 17, 12, 106.68, 57.90, 27.90),
+        # The longest by far. Other files in DXF are read in the suite.
+        pytest.param("office_cad.dxf", 222, 17, 12, 106.68, 57.90, 27.90, marks=pytest.mark.soak),
         ("westport1.geojson", 65, 11, 0, 153.64, 59.02, 63.38),
         ("CiberRTSS08_FinalLab.xml", 12, 0, 0, 51.18, 28.2, 14.2),
     ],

@@ -11,6 +11,7 @@ from intellwheels_maps.check import check_map
 from intellwheels_maps.importers import Imported
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Door
+from tests.every_case import every_case
 from tests.maps.importers.drawn_floors import read
 
 
@@ -94,7 +95,7 @@ def test_furniture_is_left_out_with_its_place() -> None:
     assert found.things == 4  # with another level and the door of a lift
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("level", "text"),
     [
         ({"measurements": []}, r"levels\.L1\.measurements: expected a measurement for the scale, got none"),

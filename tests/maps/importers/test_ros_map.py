@@ -14,6 +14,7 @@ from PIL import Image
 
 from intellwheels_maps.importers import Imported
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 from tests.maps.importers.drawn_floors import area_of, read
 
 HEAD = {"image": "m.pgm", "resolution": 1.0, "origin": [0.0, 0.0, 0.0]}
@@ -77,7 +78,7 @@ def test_far_maps_keep_their_origin_and_small_numbers() -> None:
     assert area_of(found).bounds == (0.5, 0.0, 1.5, 1.0)
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("head", "text"),
     [
         ({"resolution": 0}, r"m\.yaml: resolution: expected a number in \[0\.0001, 100\], got 0"),

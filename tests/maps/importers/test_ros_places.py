@@ -11,6 +11,7 @@ from intellwheels_maps.importers import Imported
 from intellwheels_maps.ros_export import export_ros
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Corner, Door, DoorKind, Doorway, Grid, Map, Place, Side, SiteOffset, Wall
+from tests.every_case import every_case
 from tests.maps.importers.drawn_floors import read
 
 CELL = 0.05
@@ -23,7 +24,7 @@ def again(document: Map, places: str | None = None) -> Imported:
     return read({"m.yaml": files.head.encode(), "m.pgm": files.image, "m.places.yaml": listed})
 
 
-@pytest.mark.parametrize("name", names("floors"))
+@every_case("name", names("floors"))
 def test_places_and_doors_come_back(name: str) -> None:
     document = floor(name)
     found = again(document)
@@ -48,9 +49,9 @@ def corridor(offset: SiteOffset | None = None) -> Map:
     return Map(format="iw.v1", name="m", wall=walls, doorway=(doorway,), grid=grid, offset=offset)
 
 
-@pytest.mark.parametrize("swing", [90.0, -120.0])
-@pytest.mark.parametrize("side", ["left", "right"])
-@pytest.mark.parametrize("kind", ["hinged", "double-hinged", "sliding", "double-sliding"])
+@every_case("swing", [90.0, -120.0])
+@every_case("side", ["left", "right"])
+@every_case("kind", ["hinged", "double-hinged", "sliding", "double-sliding"])
 def test_every_door_comes_back(kind: DoorKind, side: Side, swing: float) -> None:
     before = corridor()
     door = Door(kind=kind, side=side, swing_deg=swing)
@@ -73,7 +74,7 @@ def test_a_map_without_the_list_has_none() -> None:
     assert (found.map.grid, found.map.doorway, found.left_out) == (None, (), ())
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("listed", "left_out"),
     [
         ("places: [", "m.places.yaml: line 2: expected YAML, got "),

@@ -7,6 +7,7 @@ import pytest
 from intellwheels_maps.importers.floor_source import FloorSource
 from intellwheels_maps.importers.safe_yaml import MAX_YAML_BYTES, read_yaml
 from intellwheels_schemas.errors import WireError
+from tests.every_case import every_case
 
 LAUGHS = b"a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"
 
@@ -19,7 +20,7 @@ def test_plain_data_is_read() -> None:
     assert read(b"a: 1\nb: [2, {c: d}]\n") == {"a": 1, "b": [2, {"c": "d"}]}
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("data", "text"),
     [
         (LAUGHS, r"f\.yaml: line 2: expected no aliases, got 'a'"),

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
 import pytest
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
 from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import (
     Actions,
     Joined,
@@ -13,6 +16,7 @@ from intellwheels_schemas.messages import (
     Load,
     Measures,
     Pose,
+    Record,
     Refused,
     Result,
     Robot,
@@ -22,6 +26,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_schemas.metal_codes import is_genuine, power_line
 from intellwheels_server.service.arrival import Topic
 from intellwheels_server.service.joining import MAX_WAITING
+from intellwheels_server.world import Outcome
 from intellwheels_server.world.kernels import rows
 from tests.server.stage import Stage, real
 
@@ -411,3 +416,62 @@ def test_places_of_the_cast_are_nobodys_on_another_map() -> None:
     stage.join("guest")
     assert stage.result("load", Load(name="corner")).code == "ok"
     stage.join("chair1", instance="b" * 16)
+
+
+def queued(stage: Stage, monkeypatch: pytest.MonkeyPatch, wanted: list[tuple[str, Robot]]) -> list[Record]:
+    """Return the answers to joins that arrived before anything was done about them."""
+    with monkeypatch.context() as patch:
+        patch.setattr(stage, "work", lambda *_: None)
+        replies = []
+        for number, (agent, one) in enumerate(wanted):
+            one = msgspec.structs.replace(one, instance=f"{number:016x}", format=None)  # noqa: PLW2901 - its own
+            stage.token(agent, one.role, f"{number:016x}")
+            replies.append(stage.ask("join", agent, one))
+    stage.work()
+    assert all(len(each) == 1 for each in replies)
+    return [each[0][0] for each in replies]
+
+
+def test_joins_that_wait_change_the_bodies_once_and_as_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    chair = robot("rear-wheel")
+    names = [f"chair{k}" for k in range(1, 4)]
+    single, together = Stage(pace="realtime"), Stage(pace="realtime")
+    changes = []
+    apply = together.live_run._service.apply_all
+
+    def counted(some: Sequence[Change]) -> tuple[Outcome, ...]:
+        changes.append(some)
+        return apply(some)
+
+    monkeypatch.setattr(together.live_run._service, "apply_all", counted)
+    answers = queued(together, monkeypatch, [(name, chair) for name in names])
+    for number, name in enumerate(names):
+        single.try_join(name, chair, f"{number:016x}")
+    assert [len(some) for some in changes] == [3]
+    assert all(isinstance(answer, Joined) for answer in answers)
+    positions = [answer.position for answer in answers if isinstance(answer, Joined)]
+    assert positions == [single.live_run.state.body_set.models[name].start for name in names]
+    assert together.events() == single.events() == ["joined"] * 3
+    assert [len(stage.of("body", "chair3")) for stage in (together, single)] == [1, 1]
+    bare = {name: msgspec.structs.replace(chair, name=name) for name in names}
+    for state in (together.live_run.state, single.live_run.state):
+        models = state.body_set.models
+        assert [msgspec.structs.replace(models[n].robot, instance=None, format=None) for n in names] == [
+            msgspec.structs.replace(one, format=None) for one in bare.values()
+        ]
+    assert together.live_run.digest() == single.live_run.digest()
+
+
+def test_each_of_the_joins_that_wait_is_refused_for_its_own_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    chair = robot("rear-wheel")
+    stage = Stage(pace="realtime")
+    nowhere = msgspec.structs.replace(chair, place="nowhere")
+    mind = Robot(role="mind")
+    wanted = [
+        ("chair1", chair), ("chair2", nowhere), ("chair3", msgspec.structs.replace(chair, format="iw.v1", name="x")),
+        ("chair1", chair), ("chair4", chair), ("chair5", mind), ("chair1", mind),
+    ]  # fmt: skip
+    answers = queued(stage, monkeypatch, wanted)
+    codes = [answer.code if isinstance(answer, Refused) else "" for answer in answers]
+    assert codes == ["", "no-place", "name", "already-here", "", "no-body", "already-here"]
+    assert stage.live_run.state.names == ("chair1", "chair4")

@@ -18,6 +18,17 @@ def test_files_are_beside_the_lab(tmp_path: Path) -> None:
         router_until(files)
 
 
+def test_secrets_that_others_can_read_are_named_with_what_to_do(tmp_path: Path) -> None:
+    files = LabFiles(tmp_path / "room3.xml")
+    assert files.exposed() == []
+    for secret, mode in ((files.users, 0o640), (files.authority_key, 0o600), (files.router_key, 0o604)):
+        secret.write_text("secret")
+        secret.chmod(mode)
+    assert files.exposed() == [
+        f"{secret}: others can read this secret; run chmod 600 {secret}" for secret in (files.users, files.router_key)
+    ]
+
+
 @pytest.mark.parametrize("verbs", ['Verbs=""', "Verbs = ' '"])
 def test_empty_list_of_verbs_is_refused_as_it_would_mean_all(tmp_path: Path, verbs: str) -> None:
     path = tmp_path / "lab.xml"

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import threading
+from contextlib import nullcontext
 from pathlib import Path
+from unittest.mock import Mock
 
 import msgspec
 import pytest
@@ -31,6 +34,27 @@ def test_keys_gives_each_identity_a_password_of_its_own_once(folder: Path, capsy
     assert main(["keys"]) == 0
     assert read_users(folder / "LAB.users") == users
     assert capsys.readouterr() == ("", "")
+
+
+def test_passwords_that_others_can_read_are_warned_of_by_lab_and_router(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["keys"]) == 0
+    users = folder / "LAB.users"
+    users.chmod(0o644)
+    capsys.readouterr()
+    words = f"{users}: others can read this secret; run chmod 600 {users}\n"
+    assert main(["keys"]) == 0
+    assert capsys.readouterr().err == f"iw-lab: warning: {words}"
+    monkeypatch.setattr(router, "open_router", lambda *_: nullcontext())
+    monkeypatch.setattr(router, "PanicWatch", Mock())
+    monkeypatch.setattr(router, "answer_rights", lambda *_: [])
+    monkeypatch.setattr(router, "guard_sessions", lambda *_: Mock())
+    stopped = threading.Event()
+    monkeypatch.setattr(router, "stop_on_signals", lambda _: stopped)
+    monkeypatch.setattr(stopped, "wait", lambda _: True)
+    assert router.main(["--lab", "LAB.xml"]) == 0
+    assert f"iw-router: warning: {words}" in capsys.readouterr().err
 
 
 def test_invite_writes_a_file_that_any_command_takes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

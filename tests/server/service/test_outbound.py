@@ -140,3 +140,17 @@ def test_events_since_something_that_is_no_number_are_refused_in_words(since: st
     assert isinstance(reply, Result)
     assert reply.code == "failed"
     assert reply.text == f"event?since: expected a number, got {since!r}"
+
+
+def test_no_state_is_made_while_nobody_reads_it_and_a_reader_gets_it_at_once() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    stage.reads_state = False
+    stage.sent.clear()
+    stage.work(0.5)
+    assert stage.of("state") == []
+    assert len(stage.of("clock")) >= 9
+    assert stage.ask("state", "")[0][0].entity[0].name == "chair1"  # type: ignore[attr-defined]
+    stage.reads_state = True
+    stage.work(0.06)
+    assert len(stage.of("state")) == 1

@@ -5,7 +5,8 @@ import pytest
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Robot, Role
-from intellwheels_server.service.roster import Member, Roster, check_session, new_hex, same_body
+from intellwheels_server.service import roster as roster_module
+from intellwheels_server.service.roster import MAX_INSTANCES, Member, Roster, check_session, new_hex, same_body
 
 A, B = "a" * 16, "b" * 16
 
@@ -104,6 +105,32 @@ def test_token_of_another_instance_changes_no_presence() -> None:
     roster, _ = with_member()
     assert roster.token("chair1", "both", B, present=True, now=0.0) is None
     assert roster.token("chair1", "both", B, present=False, now=0.0) is None
+
+
+def test_many_tokens_of_one_role_or_of_many_names_keep_nobody_else_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(roster_module, "MAX_TOKENS", 3 * MAX_INSTANCES)
+    roster, current = with_member()
+    for number in range(2 * MAX_INSTANCES):
+        roster.token("chair2", "both", f"{number:016x}", present=True, now=0.0)
+    assert roster.has_token("chair2", "both", f"{MAX_INSTANCES - 1:016x}")
+    assert not roster.has_token("chair2", "both", f"{MAX_INSTANCES:016x}")
+    for number in range(4 * MAX_INSTANCES):
+        roster.token(f"chair{number + 3}", "both", B, present=True, now=0.0)
+    # The oldest are forgotten, but no member.
+    assert not roster.has_token("chair2", "both", f"{0:016x}")
+    assert roster.has_token("chair1", "both", current.instance)
+    assert roster.has_token(f"chair{4 * MAX_INSTANCES + 2}", "both", B)
+    roster.token("chair2", "both", f"{0:016x}", present=False, now=0.0)
+
+
+def test_token_of_a_member_returns_though_others_took_its_place() -> None:
+    roster, current = with_member()
+    roster.token("chair1", "both", A, present=False, now=0.0)
+    for number in range(MAX_INSTANCES):
+        roster.token("chair1", "both", f"{number:016x}", present=True, now=0.0)
+    assert roster.token("chair1", "both", A, present=True, now=1.0) is current
+    assert refusal(roster, robot(B)) == "no-token"
+    assert roster.has_token("chair1", "both", A)
 
 
 def test_role_of_a_removed_member_is_free() -> None:

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import IO, Any
 
 import pytest
 import zenoh
@@ -19,7 +20,7 @@ from intellwheels_schemas.messages import Identity, Lab, May
 from intellwheels_schemas.present import main as present
 from intellwheels_server.service import lab_keys
 from intellwheels_server.service import router as command
-from intellwheels_server.service.router import main
+from intellwheels_server.service.router import main, next_pause
 
 DEADLINE = 30.0
 
@@ -31,10 +32,11 @@ def endpoint() -> str:
 
 
 @contextmanager
-def router(address: str) -> Iterator["subprocess.Popen[str]"]:
+def router(address: str, *words: str, stderr: IO[str] | None = None) -> Iterator["subprocess.Popen[str]"]:
     child = subprocess.Popen(
-        [sys.executable, "-m", "intellwheels_server.service.router", "--listen", address],
+        [sys.executable, "-m", "intellwheels_server.service.router", "--listen", address, *words],
         stdout=subprocess.PIPE,
+        stderr=stderr,
         text=True,
         start_new_session=True,
     )
@@ -118,6 +120,24 @@ def test_router_begins_again_when_the_last_day_of_an_identity_is_over(
     assert "iw-router: restarted why='the last day of guest is over'" in capfd.readouterr().err
 
 
+def test_router_that_is_replaced_again_and_again_waits_longer_each_time(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pauses = [0.0]
+    for _ in range(6):
+        pauses.append(next_pause(pauses[-1], lived=1.0))
+    assert pauses == [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 10.0]
+    assert next_pause(10.0, lived=3600.0) == 0.0
+    # A wait ends with the process, before it listens.
+    stopped = threading.Event()
+    stopped.set()
+    monkeypatch.setattr(command, "stop_on_signals", lambda _lifeline: stopped)
+    monkeypatch.setenv("IW_ROUTER_PAUSE", "4.0")
+    assert main([]) == 0
+    assert "IW_ROUTER_PAUSE" not in os.environ
+    assert "waiting seconds=4 why='restarted before'" in capfd.readouterr().err
+
+
 @pytest.mark.process
 def test_connections_that_say_nothing_keep_nobody_out() -> None:
     address = endpoint()
@@ -129,3 +149,94 @@ def test_connections_that_say_nothing_keep_nobody_out() -> None:
         session = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=0.0)
         assert session is not None
         session.close()  # type: ignore[no-untyped-call]
+
+
+@pytest.mark.process
+def test_sessions_beyond_the_number_are_closed_and_told_of(tmp_path: Path) -> None:
+    address, log = endpoint(), tmp_path / "log"
+    with log.open("w") as file, router(address, "--max-sessions", "2", stderr=file), ExitStack() as stack:
+
+        def session() -> zenoh.Session:
+            found = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=DEADLINE)
+            assert found is not None
+            return stack.enter_context(found)
+
+        def echo(query: zenoh.Query) -> None:
+            with query:
+                query.reply("a/b", b"")
+
+        first, second, third = session(), session(), session()
+        first.declare_queryable("a/b", echo)
+        ended = threading.Event()
+
+        def on_link(event: zenoh.LinkEvent) -> None:
+            if event.kind == zenoh.SampleKind.DELETE:
+                ended.set()
+
+        listener: Any = third.info.declare_link_events_listener(on_link)
+        # It connects again and again; each time it is closed.
+        assert ended.wait(DEADLINE)
+        assert any(reply.ok is not None for reply in second.get("a/b", timeout=DEADLINE))
+        listener.undeclare()
+    assert "iw-router: closed session of=127.0.0.1 why='it has 2 already' closed=1\n" in log.read_text()
+
+
+ROUTER_OF_A_FILE = """\
+import sys, zenoh
+with zenoh.open(zenoh.Config.from_file(sys.argv[1])):
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.process
+def test_router_that_knows_only_the_printed_file_enforces_the_lab(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`ZENOHD=PATH pytest -k printed_file` runs it with the official router."""
+    address, file = endpoint(), tmp_path / "lab.xml"
+    student = Identity(name="student1", may=(May(role="agent", agents=("st1-*",)),))
+    lab = Lab(format="iw.v1", name="lab", identity=(Identity(name="sim", may=(May(role="simulator"),)), student))
+    file.write_text(write_file(lab))
+    assert lab_keys.main(["keys", "--lab", str(file)]) == 0
+    for name in ("sim", "student1"):
+        assert lab_keys.main(["invite", name, "--lab", str(file), "--out", str(tmp_path / f"{name}.iwid")]) == 0
+    capsys.readouterr()
+    assert main(["--lab", str(file), "--listen", address, "--print"]) == 0
+    printed = tmp_path / "router.json5"
+    printed.write_text(capsys.readouterr().out)
+    official = os.environ.get("ZENOHD")
+    command = [official, "-c"] if official else [sys.executable, "-c", ROUTER_OF_A_FILE]
+    child = subprocess.Popen([*command, str(printed)], stdin=subprocess.PIPE, start_new_session=True)
+    assert child.stdin is not None
+
+    def opened(name: str) -> zenoh.Session:
+        route = link.Link(connect=(address,), identity=tmp_path / f"{name}.iwid" if name else None)
+        found = link.open_session(route, threading.Event(), timeout=DEADLINE if name else 0.0)
+        assert found is not None
+        return found
+
+    heard: set[str] = set()
+    arrived = threading.Event()
+
+    def keep(sample: zenoh.Sample) -> None:
+        heard.add(str(sample.key_expr))
+        arrived.set()
+
+    try:
+        with opened("sim") as simulator, opened("student1") as session:
+            simulator.declare_subscriber("iw/v1/main/**", keep)
+            for _ in range(int(DEADLINE / 0.2)):  # until the subscription has come round
+                for key in ("in/st2-a/actions", "out/st1-a/power", "in/st1-a/actions"):
+                    session.put(f"iw/v1/main/{key}", b"{}")
+                if arrived.wait(0.2):
+                    break
+            assert heard == {"iw/v1/main/in/st1-a/actions"}
+            # It does not tell what an identity may do; then the identity file does.
+            with pytest.raises(ConnectionError, match="student1 may not ask for ctl/pause in world main"):
+                link.query(session, "iw/v1/main/ctl/pause", b"{}", timeout=0.5)
+        with pytest.raises(ConnectionError, match="expects --identity FILE"):
+            opened("")
+    finally:
+        child.stdin.close()
+        os.killpg(child.pid, signal.SIGTERM)
+        child.wait(DEADLINE)

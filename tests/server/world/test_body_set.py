@@ -9,7 +9,7 @@ from intellwheels_maps import names, robot
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions, Corner, Part, Position, Robot, Wall
-from intellwheels_server.world import advance, begin
+from intellwheels_server.world import advance, apply, begin
 from intellwheels_server.world.body_set import assemble, body_model_of
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import ANCHORED, EXTERNALLY_POSED, KEY
@@ -21,7 +21,8 @@ from intellwheels_server.world.kernels.motor_model import (
     MOTOR_TRACK,
 )
 from intellwheels_server.world.state import Setup
-from tests.server.worlds import RUN, cart, do, floor_of
+from tests.every_case import every_case
+from tests.server.worlds import RUN, cart, floor_of
 
 
 def test_model_has_the_robot_as_accepted() -> None:
@@ -86,7 +87,7 @@ def test_real_body_is_taken_at_any_speed_because_its_bridge_moves_it() -> None:
     assert body_model_of("a", cart(length=0.05, width=0.05, top_speed=50.0, type="real"), fast_setup(1.0))
 
 
-@pytest.mark.parametrize("name", names("robots"))
+@every_case("name", names("robots"))
 def test_included_robots_are_accepted_with_every_period(name: str) -> None:
     assert body_model_of("a", robot(name), fast_setup(1.0))
 
@@ -101,15 +102,26 @@ HEADINGS = (0.0, 0.4, 1.2)
 @pytest.mark.parametrize("period", PERIODS)
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_no_accepted_body_passes_a_wall(speed: float, period: float) -> None:
-    for length, width, thickness, heading in itertools.product(SIZES, SIZES, THICKNESSES, HEADINGS):
+    # A wall before each body, all in one line, and each longer than a body moves in three ticks.
+    reach = 4.0 * speed * period + 5.0
+    lanes = {f"a{k}": (2.0 * reach * k, *way) for k, way in enumerate(itertools.product(THICKNESSES, HEADINGS))}
+    walls = [
+        Wall(thickness=thickness, corner=(Corner(x=0.0, y=y - reach), Corner(x=0.0, y=y + reach)))
+        for y, thickness, _ in lanes.values()
+    ]
+    for length, width in itertools.product(SIZES, SIZES):
         model = cart(length=length, width=width, top_speed=speed)
-        wall = Wall(thickness=thickness, corner=(Corner(x=0.0, y=-500.0), Corner(x=0.0, y=500.0)))
-        x = -0.6 * speed * period - 0.5 * (math.hypot(length, width) + thickness) - 0.001
-        placed = msgspec.structs.replace(model, position=Position(x=x, y=0.0, heading=heading))
-        state, outcome, _ = do(begin(fast_setup(period, [wall]), RUN), Join(agent="a", robot=placed))
-        if outcome.code != "ok":
-            assert "Robot: expected a body that moves at most" in outcome.text
-            continue
-        for _ in range(3):
-            state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=1.0, right_motor=0.98)}))
-        assert state.numbers[rows.X, 0] < 0.0, (length, width, thickness, heading)
+        joins = []
+        for name, (y, thickness, heading) in lanes.items():
+            x = -0.6 * speed * period - 0.5 * (math.hypot(length, width) + thickness) - 0.001
+            at = Position(x=x, y=y, heading=heading)
+            joins.append(Join(agent=name, robot=msgspec.structs.replace(model, position=at)))
+        state, outputs = apply(begin(fast_setup(period, walls), RUN), joins)
+        refused = [outcome.text for outcome in outputs.outcomes if outcome.code != "ok"]
+        assert all("Robot: expected a body that moves at most" in text for text in refused)
+        assert len(refused) in {0, len(lanes)}
+        actions = {name: Actions(left_motor=1.0, right_motor=0.98) for name in state.names}
+        for _ in range(0 if refused else 3):
+            state, _ = advance(state, Inputs(actions=actions))
+        for name, x in zip(state.names, state.numbers[rows.X], strict=True):
+            assert x < 0.0, (length, width, *lanes[name])

@@ -6,6 +6,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs, TakeBody, Verdict
 from intellwheels_schemas.messages import Actions, Measures, MotorState, Pose, WorldState
 from intellwheels_server.world import advance, entities, measures, power_in_force
+from tests.every_case import every_case
 from tests.server.worlds import cart, run, world
 
 
@@ -43,8 +44,8 @@ def test_body_without_motors_never_times_out() -> None:
     assert not events
 
 
-@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
-@pytest.mark.parametrize(
+@every_case("encoding", [Encoding.JSON, Encoding.XML])
+@every_case(
     ("inputs", "told"),
     [
         (Inputs(verdicts=(Verdict(agent="a", code="rested"),)), "rested"),

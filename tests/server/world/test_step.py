@@ -13,6 +13,7 @@ from intellwheels_schemas.messages import Actions, End, Position, Timeout, UserI
 from intellwheels_server.world import measures
 from intellwheels_server.world.kernels.rows import LEFT_POWER, RIGHT_POWER, SPEED
 from intellwheels_server.world.step import USER_SILENCE, staleness, step, steps_in
+from tests.every_case import every_case
 from tests.server.worlds import cart, do, floor_of, run, world
 
 README = Path(__file__).parents[3] / "README.md"
@@ -80,8 +81,8 @@ NO_POWER, STANDS = 0.4, 1.1
 """README promises these times after the last input of a user, s."""
 
 
-@pytest.mark.parametrize("taken", [True, False], ids=["taken", "mind"])
-@pytest.mark.parametrize("name", CHAIRS)
+@every_case("taken", [True, False], ids=["taken", "mind"])
+@every_case("name", CHAIRS)
 def test_chair_that_has_lost_its_user_stands_when_readme_says(name: str, taken: bool) -> None:
     chair = msgspec.structs.replace(robot(name), position=Position(x=0.0, y=0.0, heading=0.0), user_input=("drive",))
     state = world({"a": chair}, strict=True)

@@ -28,6 +28,7 @@ from intellwheels_server.world.kernels.arrays import (
     Walls,
 )
 from intellwheels_server.world.wall_pieces import Line, Solid, walls_from
+from tests.every_case import every_case
 
 
 def polygons(walls: Walls) -> list[Polygon]:
@@ -96,7 +97,7 @@ def test_index_of_a_piece_is_the_place_of_its_wall() -> None:
     assert walls.links[:, WALL].tolist() == [0, 0, 1, 1, 1]
 
 
-@pytest.mark.parametrize("turn_deg", [-150, -120, -90, -45, -10, 10, 30, 60, 89, 90, 100, 135, 170])
+@every_case("turn_deg", [-150, -120, -90, -45, -10, 10, 30, 60, 89, 90, 100, 135, 170])
 def test_no_gap_opens_where_a_line_turns(turn_deg: float) -> None:
     turn = math.radians(turn_deg)
     corners = [(0.0, 0.0), (2.0, 0.0), (2.0 + 2.0 * math.cos(turn), 2.0 * math.sin(turn))]
@@ -156,7 +157,7 @@ def test_large_floor_gets_larger_cells() -> None:
     assert walls.cells[0] * walls.cells[1] <= 1 << 16
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("wall", "words"),
     [
         (Solid([(0, 0), (1, 0)], 0, 1), "wall 0: a solid needs at least 3 corners, got 2"),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import viser
 
+from intellwheels_viewer.drawings.label_layout import Picture
 from intellwheels_viewer.drawings.labels import REAL, Labels, cut, name_of, tags
 from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.drawings.cast import body, entity, node
@@ -18,6 +19,10 @@ def test_long_words_are_cut_at_forty_characters() -> None:
 def test_a_name_has_the_speed_of_what_moves() -> None:
     assert name_of(entity("a", speed=-0.25)) == "a  -0.25 m/s"
     assert name_of(entity("a")) == "a"
+    assert name_of(entity("a", speed=1.0), with_speed=False) == "a"
+    moving = [entity("a", speed=1.0), entity("b", 3.0, speed=1.0)]
+    cast = {"a": body("rear-wheel"), "b": body("rear-wheel")}
+    assert [tags(cast, moving, (), 0.0, {"b"})[name].text for name in "ab"] == ["a", "b  1.00 m/s"]
 
 
 def test_what_goes_has_a_label_above_it_and_furniture_has_not() -> None:
@@ -48,14 +53,25 @@ def test_above_thirty_bodies_only_the_wanted_and_the_speaking_have_names() -> No
 
 def test_nodes_are_kept_and_hidden(scene: viser.SceneApi) -> None:
     labels = Labels(scene)
-    labels.show(CAST, [entity("a")], (), 0.0)
+    labels.show(tags(CAST, [entity("a")], (), 0.0, ()), None)
     handle = node(scene, "/labels/a")
-    labels.show(CAST, [], (), 0.0)
+    labels.show({}, None)
     assert not handle.visible
-    labels.show(CAST, [entity("a", speed=1.0)], (), 0.0)
+    labels.show(tags(CAST, [entity("a", speed=1.0)], (), 0.0, {"a"}), None)
     assert node(scene, "/labels/a") is handle
     assert handle.visible
     assert handle.text == "a  1.00 m/s"
+
+
+def test_in_a_picture_labels_of_one_place_are_one(scene: viser.SceneApi) -> None:
+    cast = {f"c{k}": body("rear-wheel") for k in range(20)}
+    picture = Picture((0.0, -10.0, 10.0), (0.0, 0.0, 0.0), 0.8, 800.0, 600.0)
+    labels = Labels(scene, "/crowd")
+    labels.show(tags(cast, [entity(name) for name in cast], (), 0.0, ()), picture)
+    shown = [found for name in cast if (found := node(scene, f"/crowd/{name}")) is not None and found.visible]
+    assert any(one.text.endswith(" chairs") for one in shown)
+    labels.show(tags(cast, [entity(name, 2.0 * k - 19.0) for k, name in enumerate(cast)], (), 0.0, ()), picture)
+    assert node(scene, "/crowd/c9").text == "c9"
 
 
 def test_what_a_user_says_is_a_bubble_above_the_one_it_is_for_or_above_all() -> None:

@@ -7,6 +7,7 @@ from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_viewer.drawings.body_look import BodyLook, extent
 from intellwheels_viewer.drawings.looks import model_of, shape_of
+from tests.every_case import every_case
 from tests.viewer.drawings.cast import robot
 
 ROBOTS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels", "person", "table", "door", "crate")
@@ -17,8 +18,8 @@ def box(model: BodyLook) -> list[float]:
     return [float(each) for each in (*vertices.min(axis=0), *vertices.max(axis=0))]
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("crowd", [False, True])
+@every_case("name", ROBOTS)
+@every_case("crowd", [False, True])
 def test_a_body_fills_the_box_around_its_parts_and_does_not_leave_it(name: str, crowd: bool) -> None:
     document = robot(name)
     hull = extent(parts_of(document))

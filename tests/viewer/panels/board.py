@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import Layers, LayersPanel
 from intellwheels_viewer.panels.page_keys import PageKeys
+from intellwheels_viewer.panels.page_shell import PageShell
 from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
@@ -30,6 +32,22 @@ from intellwheels_viewer.panels.stick_input import StickInput
 from intellwheels_viewer.snapshot import Snapshot
 
 CHROMIUM = shutil.which("chromium")
+
+
+class SteadyClock:
+    """A monotonic clock in seconds, on which no more than 0.2 s pass from one call to the next.
+
+    A busy machine may stand still between two messages of a page for longer than the silence that ends a scan.
+    """
+
+    def __init__(self) -> None:
+        self._read = time.monotonic()
+        self._now = 0.0
+
+    def __call__(self) -> float:
+        before, self._read = self._read, time.monotonic()
+        self._now += min(self._read - before, 0.2)
+        return self._now
 
 
 class Board:
@@ -59,13 +77,14 @@ class Board:
             on_speed=self.note("speed"),
         )  # fmt: skip
         self.keys = PageKeys(gui)
+        self.shell = PageShell(gui, self.note("act"), self.note("window"))
         stick = StickInput(gui)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Agents"):
             self.agents = AgentsPanel(gui, self.note("select"))
         with tabs.add_tab("Drive"):
             self.drive = DrivePanel(gui, stick, on_stick=self.note("stick"), on_say=self.note("say"))
-            self.scan = ScanPanel(gui, on_stick=self.note("stick"))
+            self.scan = ScanPanel(gui, on_stick=self.note("stick"), now=SteadyClock())
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),
@@ -95,6 +114,7 @@ class Board:
         self.agents.show(snapshot, choices)
         self.selected.show(snapshot, choices)
         self.events.show(snapshot)
+        self.shell.show(snapshot, choices)
         self.plan.show(snapshot, choices)
         self.drive.show(snapshot, choices)
         self.scan.show(snapshot, choices)

@@ -64,3 +64,7 @@ def test_the_handler_of_a_pick_names_its_field_and_stays_in_its_attribute(gui: v
     pick = Pick(gui, print)
     assert element_id(pick._field) in pick.attribute
     assert pick.attribute.count('"') == 2
+    button = Pick(gui, print, "choice")
+    assert "onclick=" in button.attribute
+    assert "dataset.choice" in button.attribute
+    assert button.attribute.count('"') == 2

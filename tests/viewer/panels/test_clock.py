@@ -62,6 +62,14 @@ def test_another_speed_is_shown() -> None:
     assert "speed 0.5 \u00d7" in clock_html(at("running", speed=0.5))
 
 
+def test_the_speed_in_use_is_marked(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    shown.show(at("running", speed=2.0), Choices())
+    assert shown._speed.active == "2"
+    shown.show(at("running", pace="free"), Choices())
+    assert shown._speed.active is None
+
+
 def test_words_of_a_peer_are_text() -> None:
     assert "<img" not in clock_html(made_up.hostile())
 
@@ -71,7 +79,7 @@ def test_buttons_call(gui: viser.GuiApi, calls: Calls) -> None:
     press(shown._pause)
     press(shown._resume)
     enter(shown._step, "10")
-    enter(shown._speed, "0.5")
+    enter(shown._speed.pick._field, "0.5")
     enter(shown._reset, "Reset")
     assert calls == [("pause",), ("resume",), ("step", 10), ("speed", 0.5), ("reset",)]
 
@@ -85,8 +93,8 @@ def test_either_pause_or_resume_is_there(gui: viser.GuiApi, calls: Calls) -> Non
 
 
 def disabled(shown: ClockPanel) -> list[bool]:
-    groups = (shown._step, shown._speed, shown._reset)
-    return [shown._pause.disabled, *(group._impl.props.disabled for group in groups)]  # type: ignore[attr-defined]
+    step, reset = (group._impl.props.disabled for group in (shown._step, shown._reset))  # type: ignore[attr-defined]
+    return [shown._pause.disabled, step, shown._speed.disabled, reset]
 
 
 def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:

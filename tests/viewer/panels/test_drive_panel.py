@@ -34,7 +34,7 @@ def test_who_is_driven_or_why_nobody_is_said() -> None:
     assert "You are driving chair1" in drive_html(snapshot, driving)
     for driven in (None, "chair2"):
         idle = drive_html(snapshot, replace(made_up.choices(), driven=driven))
-        assert "Hold the stick or the keys I J K L to drive chair1." in idle
+        assert "Hold the stick or the keys W A S D to drive chair1." in idle
         assert "You are driving" not in idle
     over = drive_html(replace(snapshot, clock=made_up.clock("ended")), driving)
     assert "The run is over. Run it again to drive chair1." in over

@@ -8,9 +8,10 @@ from dataclasses import replace
 import viser
 
 from intellwheels_schemas.messages import Event
-from intellwheels_viewer.panels.events import SHOWN, EventsPanel, events_html
+from intellwheels_viewer.panels.events import ALL, FILTERS, SHOWN, EventsPanel, events_html
 from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.panels import made_up
+from tests.viewer.panels.panel import enter
 
 
 def test_newest_first_with_times() -> None:
@@ -65,3 +66,21 @@ def test_what_a_user_said_is_an_event_at_its_time() -> None:
     assert "A user said to chair1: \u201c&lt;b&gt;stop&lt;/b&gt;\u201d" in page
     assert "I hear" not in page
     assert "hello" in events_html(replace(base, utterances=speech, events=()))
+
+
+def test_the_list_can_be_limited_to_one_kind(gui: viser.GuiApi) -> None:
+    snapshot = replace(made_up.snapshot(), utterances=(Utterance(USER, 61.0, "stop"),))
+    codes = {only: set(re.findall(r'data-code="([a-z]+)"', events_html(snapshot, only))) for only in FILTERS}
+    assert codes["Contacts"] == {"contact", "parted"}
+    assert codes["Run"] == {"reset", "resumed"}
+    assert codes["Words"] == {"said"}
+    assert codes[ALL] == codes["Contacts"] | codes["Agents"] | codes["Run"] | codes["Words"]
+    panel = EventsPanel(gui)
+    panel.show(snapshot)
+    enter(panel._filter.pick._field, "Contacts")
+    assert panel._filter.active == "Contacts"
+    assert panel._list.content == events_html(snapshot, "Contacts")
+
+
+def test_a_kind_of_which_nothing_happened_says_so() -> None:
+    assert "Contacts: nothing yet." in events_html(replace(made_up.snapshot(), events=()), "Contacts")

@@ -14,11 +14,12 @@ from intellwheels_schemas.agent_colours import colour_of, css, looks
 from intellwheels_schemas.messages import Corner, Entity, Map, Wall
 from intellwheels_viewer.panels.plan_panel import CROWD, PlanPanel, bodies_svg, floor_svg, frame
 from intellwheels_viewer.snapshot import Sample
+from tests.every_case import every_case
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter
 
 
-@pytest.mark.parametrize("name", library.names("floors"))
+@every_case("name", library.names("floors"))
 def test_all_of_a_floor_is_in_its_frame(name: str) -> None:
     floor = library.floor(name)
     view = frame(floor)

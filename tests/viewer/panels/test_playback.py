@@ -79,7 +79,7 @@ def test_buttons_call_and_are_disabled_without_rights(gui: viser.GuiApi, calls: 
     shown = panel(gui, calls, Wall())
     press(shown._pause)
     press(shown._resume)
-    enter(shown._speed, "2")
+    enter(shown._speed.pick._field, "2")
     assert calls == [("pause",), ("resume",), ("speed", 2.0)]
     shown.show(LOG, Choices(rights=LOOKS_ONLY))
     assert shown._line.disabled

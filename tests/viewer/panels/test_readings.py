@@ -54,6 +54,7 @@ def test_an_unknown_kind_of_sensor_is_shown_by_its_fields_and_units() -> None:
     found = read(SensorsWithSonar(ultra_sonar=(front, SonarReading(id="rear", status="fault"))))
     assert found == [
         Group(
+            "ultra_sonar",
             "ultra sonar: distance, m; bearing, \u00b0; echoes; confirmed",
             (Row("front", "1.23, 90, [4 7], yes", "", 2), Row("rear", "failed")),
         )

@@ -28,6 +28,12 @@ def test_sensors_are_rows_under_captions_with_their_units() -> None:
     assert all(word in page for word in ("proximity, m", "nothing seen", "failed", "2 ticks old", "120034 and"))
 
 
+def test_each_proximity_sensor_has_a_chart_of_its_own() -> None:
+    page = sensors_html(made_up.snapshot(), "chair1")
+    assert page.count("iw-spark") == len(made_up.SENSORS)
+    assert "last 30 s" in page
+
+
 def test_no_sensors_are_said_in_words() -> None:
     assert "No sensor readings yet" in sensors_html(made_up.snapshot(), "chair2")
 
@@ -54,19 +60,18 @@ def test_words_of_a_peer_are_text() -> None:
 def test_plots_are_there_while_there_is_something_to_plot(gui: viser.GuiApi) -> None:
     panel = SelectedPanel(gui)
     panel.show(made_up.snapshot(), made_up.choices())
-    assert panel._distances._plot.visible
     assert panel._speeds._plot.visible
     panel.show(made_up.snapshot(), Choices(selected="table1"))
-    assert not panel._distances._plot.visible
+    assert not panel._sensors.content.count("iw-spark")
     panel.show(made_up.snapshot(), Choices())
     assert not any(one.visible for one in (panel._speeds._plot, panel._sensors, panel._log))
 
 
-def test_a_chart_is_rebuilt_only_when_its_colours_or_range_change(gui: viser.GuiApi) -> None:
+def test_a_chart_is_rebuilt_only_when_its_range_changes(gui: viser.GuiApi) -> None:
     panel = SelectedPanel(gui)
     panel.show(made_up.snapshot(), made_up.choices())
     sent: list[str] = []
-    plot = cast("Any", panel._distances._plot)
+    plot = cast("Any", panel._speeds._plot)
     queue = type(plot)._queue_update
     try:
         type(plot)._queue_update = lambda handle, name, value: sent.append(name)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
-
 from intellwheels_schemas.messages import EVENT_CODES, Event
 from intellwheels_viewer.panels.sentences import SENTENCES, sentence
+from tests.every_case import every_case
 from tests.viewer.panels import made_up
 
 
@@ -17,7 +16,7 @@ def test_every_code_of_the_contract_has_a_sentence() -> None:
     assert SENTENCES.keys() == set(EVENT_CODES)
 
 
-@pytest.mark.parametrize("code", EVENT_CODES)
+@every_case("code", EVENT_CODES)
 def test_no_sentence_has_a_gap_when_the_event_says_little(code: str) -> None:
     said = sentence(event(code))
     assert said[0].isupper()

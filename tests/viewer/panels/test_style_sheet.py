@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_viewer.panels import style_sheet
 from intellwheels_viewer.panels.marks import _linear
+from tests.every_case import every_case
 
 GROUNDS = {"light": "#ffffff", "dark": "#242424"}
 """viser's panel in each theme."""
@@ -28,9 +29,9 @@ def contrast(one: str, other: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.mark.parametrize("theme", GROUNDS)
-@pytest.mark.parametrize("text", ["ink", "soft", "red", "amber", "green", "near", "middle", "far"])
-@pytest.mark.parametrize("ground", ["panel", "tint", "chosen"])
+@every_case("theme", GROUNDS)
+@every_case("text", ["ink", "soft", "red", "amber", "green", "near", "middle", "far"])
+@every_case("ground", ["panel", "tint", "chosen"])
 def test_text_is_seen_on_every_ground_of_each_theme(theme: str, text: str, ground: str) -> None:
     colours = variables(theme)
     # WCAG 2, level AA for text of any size.
@@ -68,3 +69,15 @@ def test_no_text_is_under_the_scrollbar_of_a_long_panel(selector: str) -> None:
     assert rule is not None
     sides = [int(size.removesuffix("px")) for size in rule[1].split()]
     assert sides[1] > SCROLLBAR
+
+
+@pytest.mark.parametrize("theme", GROUNDS)
+def test_buttons_and_their_focus_are_seen(theme: str) -> None:
+    colours = variables(theme)
+    assert colours["ground"] == GROUNDS[theme]
+    # The text of an active choice, and of a recording that runs.
+    assert contrast(colours["floor"], colours["ink"]) >= 4.5
+    assert contrast(colours["floor"], colours["red"]) >= 4.5
+    # WCAG 2, level AA for what shows where a control is and that it has the focus.
+    assert contrast(colours["edge"], GROUNDS[theme]) >= 3.0
+    assert contrast(colours["focus"], GROUNDS[theme]) >= 3.0

@@ -1,13 +1,13 @@
-"""Labels above the bodies: name, speed, and what the agent says.
+"""Labels above the bodies: name, what the agent says, and the speed of selected bodies.
 
 Labels are the most expensive drawing. Above `MANY` bodies only the bodies that the caller asks for have one, and
 labels are updated five times a second. The page shows a label as plain text, so nothing that an agent says can run.
+Where they stand depends on the camera, see `label_layout`, so each browser has its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import viser
@@ -15,6 +15,7 @@ import viser
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
+from intellwheels_viewer.drawings.label_layout import SCALES, Picture, Placed, Wish, placed
 from intellwheels_viewer.snapshot import USER, Utterance
 
 MANY: Final = 30
@@ -31,17 +32,7 @@ REAL: Final = "\u25cf real"
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
-"""Offset of a label to the north in body widths, so that it does not cover the body in the plan."""
-
-
-@dataclass(frozen=True)
-class Tag:
-    """A label: its text and the position of its lower edge, in metres."""
-
-    text: str
-    x: float
-    y: float
-    z: float
+"""Offset of a label in body widths, see `Wish.aside`."""
 
 
 def cut(text: str) -> str:
@@ -50,9 +41,11 @@ def cut(text: str) -> str:
     return line if len(line) <= LONGEST else line[: LONGEST - 1].rstrip() + "…"
 
 
-def name_of(entity: Entity) -> str:
-    """Return the name, and the speed if the body moves."""
-    return entity.name if abs(entity.speed) < STILL else f"{entity.name}  {entity.speed:.2f} m/s"
+def name_of(entity: Entity, *, with_speed: bool = True) -> str:
+    """Return the name, and the speed if the body moves and it is wanted."""
+    if not with_speed or abs(entity.speed) < STILL:
+        return entity.name
+    return f"{entity.name}  {entity.speed:.2f} m/s"
 
 
 def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collection[str]) -> list[Entity]:
@@ -71,7 +64,7 @@ def tags(
     utterances: Iterable[Utterance],
     now: float,
     wanted: Collection[str],
-) -> dict[str, Tag]:
+) -> dict[str, Wish]:
     """Return the labels by agent: the name, and above it the newest message of the agent or of a user to the agent.
 
     Args:
@@ -90,51 +83,74 @@ def tags(
             bodies[entity.name],
             entity,
             [text for text in (told.get(entity.name) or told.get(None), spoken.get(entity.name)) if text is not None],
+            wanted=entity.name in wanted,
         )
         for entity in shown
     }
 
 
-def _tag(body: Body, entity: Entity, bubbles: Sequence[str]) -> Tag:
+def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
     hull = extent(parts_of(body.robot))
-    name = f"{name_of(entity)}  {REAL}" if body.robot.type == "real" else name_of(entity)
-    return Tag("\n".join([*bubbles, name]), entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
+    name = name_of(entity, with_speed=wanted)
+    name = f"{name}  {REAL}" if body.robot.type == "real" else name
+    return Wish(
+        entity.name,
+        "\n".join([*bubbles, name]),
+        entity.x,
+        entity.y,
+        hull.top + ABOVE,
+        body.robot.kind,
+        alone=wanted or bool(bubbles),
+        aside=ASIDE * hull.width,
+    )
 
 
 class Labels:
-    """The labels in a scene: a node for each agent, which is kept while hidden."""
+    """The labels in a scene: a node for each agent, which is kept while hidden.
+
+    Args:
+        scene: The scene of a browser, or that of all.
+        name: The node above the labels.
+    """
 
     def __init__(self, scene: viser.SceneApi, name: str = "/labels") -> None:
         self._scene, self._name = scene, name
         self._nodes: dict[str, viser.LabelHandle] = {}
-        self._shown: dict[str, Tag] = {}
+        self._shown: dict[str, Placed] = {}
 
-    def show(
-        self,
-        bodies: Mapping[str, Body],
-        entities: Sequence[Entity],
-        utterances: Iterable[Utterance],
-        now: float,
-        wanted: Collection[str] = frozenset(),
-    ) -> None:
-        """Show the labels; the arguments are those of `tags`."""
-        shown = tags(bodies, entities, utterances, now, wanted)
+    def show(self, wishes: Mapping[str, Wish], picture: Picture | None) -> None:
+        """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body."""
+        if picture is None:
+            found = [
+                Placed(
+                    (wish.name,), wish.text, (wish.x, wish.y + wish.aside, wish.z), SCALES[-1][1], (0.0, 0.0, 0.0, 0.0)
+                )
+                for wish in wishes.values()
+            ]
+        else:
+            found = placed([*wishes.values()], picture)
+        shown = {one.names[0]: one for one in found}
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
-        for name, tag in shown.items():
-            place = (tag.x, tag.y, tag.z)
+        for name, one in shown.items():
             node = self._nodes.get(name)
             if node is None:
                 self._nodes[name] = self._scene.add_label(
-                    f"{self._name}/{name}", tag.text, position=place, font_screen_scale=0.85, anchor="bottom-center"
+                    f"{self._name}/{name}",
+                    one.text,
+                    position=one.position,
+                    font_screen_scale=one.scale,
+                    anchor="bottom-center",
                 )
                 continue
             before = self._shown.get(name)
             if before is None:
                 node.visible = True
             # Comparing is cheaper than assigning an equal value in viser.
-            if before is None or before.text != tag.text:
-                node.text = tag.text
-            if before is None or (before.x, before.y, before.z) != place:
-                node.position = place
+            if before is None or before.text != one.text:
+                node.text = one.text
+            if before is None or before.scale != one.scale:
+                node.font_screen_scale = one.scale
+            if before is None or before.position != one.position:
+                node.position = one.position
         self._shown = shown

@@ -315,14 +315,19 @@ def _icon(state: State) -> str:
 
 
 class Wedges:
-    """The wedges in a scene: a batch of fans for each cone angle, and one of all bars."""
+    """The wedges in a scene: a batch of fans for each cone angle, and one of all bars.
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
+    Args:
+        scene: The scene of a browser, or that of all.
+        name: The node above the wedges.
+    """
+
+    def __init__(self, scene: viser.SceneApi, name: str = "/wedges") -> None:
+        self._scene, self._name = scene, name
         self._fans: dict[float, InstanceBatch] = {}
         self._mounts = Mounts()
         square = sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], 0.0)
-        self._bars = InstanceBatch(scene, "/wedges/bars", square)
+        self._bars = InstanceBatch(scene, f"{name}/bars", square)
 
     def show(
         self,
@@ -352,7 +357,7 @@ class Wedges:
 
     def _fan(self, cone: float, group: Cones) -> None:
         if cone not in self._fans:
-            name = f"/wedges/fan-{cone:.6g}".replace(".", "-")
+            name = f"{self._name}/fan-{cone:.6g}".replace(".", "-")
             self._fans[cone] = InstanceBatch(self._scene, name, fan(math.radians(cone)), opacity=1.0, side="double")
         lifts = _LIFT * (np.arange(len(group.x)) % _LIFTS)
         self._fans[cone].show(

@@ -67,30 +67,35 @@ def element_id(handle: viser.GuiInputHandle[Value]) -> str:
 
 
 class Pick:
-    """Makes `data-agent` elements in HTML clickable: a press sends their name to a hidden text field.
+    """Makes elements in HTML clickable: a press sends the text of their data attribute to a hidden text field.
 
     Args:
         gui: Makes the hidden field.
-        call: Called with the name, which can be any text.
+        call: Called with the text, which can be any.
+        data: The name of the attribute, without `data-`. Elements with `data-agent` act when the pointer goes down,
+            all others, which must be buttons, when they are clicked or pressed with a key.
     """
 
-    def __init__(self, gui: viser.GuiApi, call: Callable[[str], None]) -> None:
+    def __init__(self, gui: viser.GuiApi, call: Callable[[str], None], data: str = "agent") -> None:
         self._field = gui.add_text("picked", "", visible=False)
-        self._call = call
+        self._call, self._data = call, data
         updated(self._field, self._picked)
 
     @property
     def attribute(self) -> str:
-        """The HTML attribute for an element around the `data-agent` elements.
+        """The HTML attribute for an element around these elements.
 
-        It reacts to pointer down, because a table that is rewritten between down and up would lose a click.
+        A table reacts to pointer down, because one that is rewritten between down and up would lose a click. With keys
+        an agent is selected from the list or by its digit: a row that is rewritten would lose the focus too.
         """
-        script = (
-            "const r=event.target.closest('[data-agent]');if(r&&event.button===0)"
+        send = (
             "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',"
-            f"uuid:'{element_id(self._field)}',updates:{{value:r.dataset.agent}}}})"
+            f"uuid:'{element_id(self._field)}',updates:{{value:r.dataset.{self._data}}}}})"
         )
-        return f'onpointerdown="{html.escape(script)}"'
+        found = f"const r=event.target.closest('[data-{self._data}]');"
+        if self._data != "agent":
+            return f'onclick="{html.escape(f"{found}if(r&&!r.disabled){send}")}"'
+        return f'onpointerdown="{html.escape(f"{found}if(r&&event.button===0){send}")}"'
 
     def _picked(self, name: str) -> None:
         # Emptied, so that the same name is a change next time.

@@ -14,6 +14,7 @@ from intellwheels_schemas.messages import Clock
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
 from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.segments import Segments
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.panels.style_sheet import figures as large
 from intellwheels_viewer.snapshot import Snapshot
@@ -100,6 +101,11 @@ def _pace(clock: Clock) -> str:
     return _PACES[clock.pace]
 
 
+def speed_word(clock: Clock | None) -> str | None:
+    """Return the speed of a run in real time as one of `SPEEDS`; it may be none of them."""
+    return None if clock is None or clock.pace != "realtime" else number_format.factor(clock.speed)
+
+
 class ClockPanel:
     """The clock, and pause, resume, step, reset and speed.
 
@@ -128,14 +134,13 @@ class ClockPanel:
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, disabled=True)
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
-        self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
+        self._speed = Segments(gui, "Speed, \u00d7", SPEEDS, lambda word: on_speed(float(word)))
         self._reset = gui.add_button_group("New run", ("Reset",), disabled=True)
         clicked(self._again, on_reset)
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
         chosen(self._reset, lambda _: on_reset())
         chosen(self._step, lambda word: on_step(int(word)))
-        chosen(self._speed, lambda word: on_speed(float(word)))
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show the clock, and disable buttons that have no effect now."""
@@ -154,9 +159,13 @@ class ClockPanel:
         over = snapshot.is_over
         self._again.visible, self._again.disabled = over and shown, off("reset")
         self._resume.label = "Continue this run" if over else "Resume"
-        self._speed.visible = self._reset.visible = shown
+        self._reset.visible = shown
         self._step.visible = not rights.looks_only
         self._pause.disabled, self._resume.disabled = off("pause"), off("resume")
         disable(self._step, off("step"))
         disable(self._reset, off("reset"))
-        disable(self._speed, off("speed") or clock is None or clock.pace != "realtime")
+        self._speed.show(
+            speed_word(clock),
+            visible=shown,
+            disabled=off("speed") or clock is None or clock.pace != "realtime",
+        )

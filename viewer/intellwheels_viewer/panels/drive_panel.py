@@ -1,4 +1,4 @@
-"""Driving with a stick on the screen or the keys I, J, K, L; and sending messages to agents.
+"""Driving with a stick on the screen or with keys, see `stick_input`; and sending messages to agents.
 
 `stick_input` sends what the stick and the keys give. The receiver publishes each message once and repeats none, so a
 page that is closed or hangs stops the chair. Four buttons work without the script of `stick_input`.
@@ -25,10 +25,10 @@ SAY_LIMIT: Final = 1000
 
 _STICK: Final = (
     '<div class="iw-drive"><div class="iw-stick" id="iw-stick" data-testid="stick" role="img" '
-    'aria-label="Stick: drag to drive"><u style="left:50px;top:3px">I</u><u style="left:50px;bottom:3px">K</u>'
-    '<u style="left:4px;top:50px">J</u><u style="right:4px;top:50px">L</u>'
+    'aria-label="Stick: drag to drive"><u style="left:50px;top:3px">W</u><u style="left:50px;bottom:3px">S</u>'
+    '<u style="left:4px;top:50px">A</u><u style="right:4px;top:50px">D</u>'
     '<div class="iw-knob" id="iw-knob"></div></div>'
-    "<div>Drag the stick, or hold<br><code>I</code> forward<br><code>K</code> back<br><code>J</code> <code>L</code> "
+    "<div>Drag the stick, or hold<br><code>W</code> forward<br><code>S</code> back<br><code>A</code> <code>D</code> "
     'turn<div class="iw-small">Shift for full power. Release to stop.</div></div></div>'
     '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this browser: tick Buttons.</div>'
     """<img src="x:" alt="" style="display:none" """
@@ -51,7 +51,7 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
     elif choices.driven == choices.selected:
         words = note(f"You are driving {choices.selected}", "good")
     else:
-        words = note(f"Hold the stick or the keys I J K L to drive {choices.selected}.")
+        words = note(f"Hold the stick or the keys W A S D to drive {choices.selected}.")
     if snapshot.phase == "live" and (unsaid := choices.rights.why_not(snapshot.world, "say")):
         words += f'<div class="iw-small">{prose(unsaid)}</div>'
     return block("drive", words)

@@ -8,22 +8,28 @@ from typing import Final
 
 import viser
 
-from intellwheels_schemas.messages import Event
 from intellwheels_viewer.panels import number_format
-from intellwheels_viewer.panels.sentences import sentence
+from intellwheels_viewer.panels.event_lines import EventLine, event_lines, kind_of
+from intellwheels_viewer.panels.segments import Segments
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
 from intellwheels_viewer.snapshot import USER, Snapshot, Utterance
 
 SHOWN: Final = 100
+ALL: Final = "All"
+FILTERS: Final = (ALL, "Contacts", "Agents", "Run", "Words")
+"""What the list can be limited to. `Words` are what users said from this viewer."""
 
 
-def events_html(snapshot: Snapshot) -> str:
-    """Return the newest events as a list."""
-    speech = [each for each in snapshot.utterances if each.speaker == USER]
-    if not snapshot.events and not speech:
-        return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
-    newest = snapshot.events[::-1][:SHOWN]
-    older = len(snapshot.events) - len(newest)
+def events_html(snapshot: Snapshot, only: str = ALL) -> str:
+    """Return the newest events as a list: all, or only those of one of `FILTERS`."""
+    speech = [each for each in snapshot.utterances if each.speaker == USER and only in (ALL, "Words")]
+    events = [event for event in snapshot.events if only in (ALL, kind_of(event))]
+    if not events and not speech:
+        nothing = "Nothing has happened yet." if only == ALL else f"{only}: nothing yet."
+        return block("events", f'<span class="iw-soft">{nothing}</span>')
+    lines = event_lines(events, snapshot.period or 0.0)
+    newest = lines[:SHOWN]
+    older = len(lines) - len(newest)
     more = f'<div class="iw-small">and {older} older</div>' if older else ""
     return block(
         "events",
@@ -33,13 +39,14 @@ def events_html(snapshot: Snapshot) -> str:
     )
 
 
-def event_item(snapshot: Snapshot, event: Event) -> str:
-    """Return an event as a list item: its time and its sentence."""
+def event_item(snapshot: Snapshot, line: EventLine) -> str:
+    """Return a line as a list item: its time and its sentence."""
+    event = line.event
     red = ' class="iw-red"' if event.code == "contact" else ""
     return (
-        f'<li data-code="{event.code}" data-number="{event.number}">'
+        f'<li data-code="{event.code}" data-number="{event.number}" data-count="{line.count}">'
         f"<span>{number_format.moment(event.tick, snapshot)}</span>"
-        f"<span{red}>{html.escape(sentence(event))}</span></li>"
+        f"<span{red}>{html.escape(line.text)}</span></li>"
     )
 
 
@@ -50,20 +57,21 @@ def speech_item(utterance: Utterance) -> str:
     return f'<li data-code="said"><span>{number_format.decimal(utterance.time)}</span><span>{sentence}</span></li>'
 
 
-def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Utterance]) -> Iterable[str]:
+def _items(snapshot: Snapshot, newest: Iterable[EventLine], speech: Sequence[Utterance]) -> Iterable[str]:
     run, period, waiting = None, snapshot.period or 0.0, list(speech)
-    for event in newest:
+    for line in newest:
+        event = line.event
         while waiting and (event.run != snapshot.run or waiting[0].time >= event.tick * period):
             yield speech_item(waiting.pop(0))
         if run is not None and event.run != run:
             yield '<li class="break">previous run</li>'
         run = event.run
-        yield event_item(snapshot, event)
+        yield event_item(snapshot, line)
     yield from (speech_item(utterance) for utterance in waiting)
 
 
 class EventsPanel:
-    """The list of events.
+    """The list of events and its filter.
 
     Args:
         gui: Makes the elements, in the open container.
@@ -71,8 +79,18 @@ class EventsPanel:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         gui.add_html(STYLE_SHEET)
+        self._only = ALL
+        self._filter = Segments(gui, "Events", FILTERS, self._limit)
+        self._filter.show(ALL)
         self._list = gui.add_html("")
+        self._shown = Snapshot()
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the events of a snapshot."""
-        self._list.content = events_html(snapshot)
+        self._shown = snapshot
+        self._list.content = events_html(snapshot, self._only)
+
+    def _limit(self, only: str) -> None:
+        self._only = only
+        self._filter.show(only)
+        self.show(self._shown)

@@ -21,7 +21,8 @@ class Layers:
 
     Attributes:
         full_walls: Walls at full height instead of half height.
-        wedges: The readings of proximity sensors.
+        wedges: The readings of the proximity sensors of the selected agent.
+        all_wedges: Those of all agents.
         lidar: The points of lidars.
         trails: The path behind each agent.
         labels: Names, speeds and speech.
@@ -34,6 +35,7 @@ class Layers:
 
     full_walls: bool = False
     wedges: bool = True
+    all_wedges: bool = False
     lidar: bool = True
     trails: bool = True
     labels: bool = True
@@ -64,6 +66,7 @@ def from_json(text: str | None) -> Layers:
 LABELS: Final = {
     "full_walls": "Full walls",
     "wedges": "Sensors",
+    "all_wedges": "Sensors of all",
     "lidar": "Lidar",
     "trails": "Trails",
     "labels": "Names, speech",

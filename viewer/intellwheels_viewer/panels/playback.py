@@ -12,9 +12,10 @@ import viser
 
 from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_viewer.panels import number_format
-from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, disable, updated
+from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.clock import SPEEDS
+from intellwheels_viewer.panels.clock import SPEEDS, speed_word
+from intellwheels_viewer.panels.segments import Segments
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
 from intellwheels_viewer.snapshot import Snapshot
 
@@ -73,14 +74,14 @@ class PlaybackPanel:
         self._line = gui.add_slider("Tick", 0, 1, 1, 0, marks=(), visible=False)
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
         self._resume = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=False)
-        self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, visible=False)
+        self._speed = Segments(gui, "Speed, \u00d7", SPEEDS, lambda word: on_speed(float(word)))
+        self._speed.show(None, visible=False)
         self._now = now
         self._touched = -HOLD_AFTER_DRAG
         self._last = 0
         self._on_seek = on_seek
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
-        chosen(self._speed, lambda word: on_speed(float(word)))
         updated(self._line, self._moved)
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
@@ -90,13 +91,14 @@ class PlaybackPanel:
         halted = snapshot.clock is not None and snapshot.clock.state in {"paused", "ended"}
         self._words.content = playback_html(snapshot)
         self._words.visible = playing
-        self._line.visible = self._speed.visible = playing and steers
+        self._line.visible = playing and steers
         self._pause.visible, self._resume.visible = playing and steers and not halted, playing and steers and halted
         live, why_not, world = snapshot.phase == "live", choices.rights.why_not, snapshot.world
         self._line.disabled = not live or bool(why_not(world, "seek"))
         self._pause.disabled = not live or bool(why_not(world, "pause"))
         self._resume.disabled = not live or bool(why_not(world, "resume"))
-        disable(self._speed, not live or bool(why_not(world, "speed")))
+        denied = not live or bool(why_not(world, "speed"))
+        self._speed.show(speed_word(snapshot.clock), visible=playing and steers, disabled=denied)
         if snapshot.last_tick is not None:
             self._last = snapshot.last_tick
             self._line.max = max(1, snapshot.last_tick)

@@ -46,8 +46,9 @@ class Row(NamedTuple):
 
 
 class Group(NamedTuple):
-    """The sensors of one kind."""
+    """The sensors of one kind: its name in the contract, its caption, and a row for each sensor."""
 
+    kind: str
     caption: str
     rows: tuple[Row, ...]
 
@@ -63,7 +64,7 @@ def _groups(sensors: Sensors, tick: int) -> Iterator[Group]:
         readings: Sequence[Any] = getattr(sensors, field)
         if readings:
             caption, read = _READERS.get(field) or (_caption(field, type(readings[0])), _generic)
-            yield Group(caption, tuple(_row(one, read, tick) for one in readings))
+            yield Group(field, caption, tuple(_row(one, read, tick) for one in readings))
 
 
 def _row(reading: Any, read: Callable[[Any], tuple[str, str]], tick: int) -> Row:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
 from typing import Final
 
 import viser
@@ -11,10 +12,12 @@ from intellwheels_schemas.messages import Entity
 from intellwheels_viewer.panels import number_format, plots
 from intellwheels_viewer.panels.agents import words
 from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.event_lines import event_lines
 from intellwheels_viewer.panels.events import event_item
 from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest
-from intellwheels_viewer.panels.readings import Group, groups
+from intellwheels_viewer.panels.readings import Group, Row, groups
+from intellwheels_viewer.panels.sparklines import WIDTH, sparkline
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.panels.style_sheet import figures as large
 from intellwheels_viewer.snapshot import Snapshot
@@ -54,15 +57,15 @@ def sensors_html(snapshot: Snapshot, name: str) -> str:
     found = groups(measures) if measures is not None else []
     if not found:
         return block("sensors", '<span class="iw-soft">No sensor readings yet.</span>')
-    return block("sensors", "".join(_group(group) for group in found))
+    charts = _charts(snapshot, name)
+    return block("sensors", "".join(_group(group, charts if group.kind == "proximity" else {}) for group in found))
 
 
 def log_html(snapshot: Snapshot, name: str) -> str:
     """Return a body's messages and events, newest first, at most `LOG` lines."""
     length = snapshot.period or 0.0
-    lines = [
-        (one.tick * length, event_item(snapshot, one)) for one in snapshot.events if name in {one.agent, one.other}
-    ]
+    about = [one for one in snapshot.events if name in {one.agent, one.other}]
+    lines = [(line.event.tick * length, event_item(snapshot, line)) for line in event_lines(about, length)]
     lines += [(said.time, _said(said.time, said.text)) for said in snapshot.utterances if said.speaker == name]
     if not lines:
         return block("selected-log", f'<span class="iw-soft">No messages or events of {html.escape(name)} yet.</span>')
@@ -82,17 +85,34 @@ def _whereabouts(entity: Entity) -> str:
     return f"{place}, goal {number_format.decimal(entity.goal.x)}, {number_format.decimal(entity.goal.y)}"
 
 
-def _group(group: Group) -> str:
-    rows = "".join(
-        f'<tr><td class="iw-cut">{html.escape(row.id)}</td><td class="iw-{row.tone or "ink"}">{html.escape(row.text)}'
-        f"{_age(row.age)}</td></tr>"
-        for row in group.rows
-    )
+def _charts(snapshot: Snapshot, name: str) -> dict[str, str]:
+    """Return a chart for each proximity sensor of a body, by its id."""
+    body, samples = snapshot.bodies.get(name), snapshot.history.get(name, ())
+    sensors = body.robot.proximity if body is not None else ()
+    top = max((one.max_range for one in sensors), default=1.0)
+    return {one.id: chart for k, one in enumerate(sensors) if (chart := sparkline(samples, k, top))}
+
+
+def _group(group: Group, charts: Mapping[str, str]) -> str:
+    def cell(row: Row) -> str:
+        # A word in place of a range is smaller: it must fit beside the chart.
+        small = " iw-word" if charts and not row.tone else ""
+        chart = f'<td class="iw-{row.tone or "soft"}">{charts.get(row.id, "")}</td>' if charts else ""
+        return (
+            f'<tr><td class="iw-cut" title="{html.escape(row.id)}">{html.escape(row.id)}</td>{chart}'
+            f'<td class="iw-{row.tone or "ink"}{small}">{html.escape(row.text)}{_age(row.age)}</td></tr>'
+        )
+
+    rows = "".join(cell(row) for row in group.rows)
     # Short readings leave more room for the ids.
     share = 34 if max(len(row.text) for row in group.rows) > 12 else 55
+    columns = f'<col><col style="width:{WIDTH + 8}px"><col style="width:76px">'
+    if not charts:
+        columns = f'<col style="width:{share}%"><col>'
+    caption = html.escape(group.caption) + (", with the last 30 s" if charts else "")
     return (
-        f'<div class="iw-group"><div class="iw-caption">{html.escape(group.caption)}</div>'
-        f'<table><colgroup><col style="width:{share}%"><col></colgroup>{rows}</table></div>'
+        f'<div class="iw-group"><div class="iw-caption">{caption}</div>'
+        f"<table><colgroup>{columns}</colgroup>{rows}</table></div>"
     )
 
 
@@ -114,9 +134,8 @@ class SelectedPanel:
     def __init__(self, gui: viser.GuiApi) -> None:
         gui.add_html(STYLE_SHEET)
         self._head = gui.add_html("")
-        self._distances = _Chart(gui, "proximity, m, over the last 30 s")
-        self._speeds = _Chart(gui, "speed, m/s, over the last 30 s")
         self._sensors = gui.add_html("", visible=False)
+        self._speeds = _Chart(gui, "speed, m/s, over the last 30 s")
         self._log = gui.add_html("", visible=False)
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
@@ -126,11 +145,9 @@ class SelectedPanel:
         here = name is not None and snapshot.entity(name) is not None
         self._sensors.visible = self._log.visible = here
         if name is None or not here:
-            self._distances.show(None)
             self._speeds.show(None)
             return
         samples, body = snapshot.history.get(name, ()), snapshot.bodies.get(name)
-        self._distances.show(plots.distances(samples, body))
         self._speeds.show(plots.speeds(samples, body))
         self._sensors.content = sensors_html(snapshot, name)
         self._log.content = log_html(snapshot, name)
@@ -159,11 +176,9 @@ class _Chart:
             return
         self._labels.content = (
             f'<div class="iw" style="padding-bottom:0"><div class="iw-caption">{self._caption}</div></div>'
-            f"{plots.labels_html(plot)}"
+            f"{plots.label_html(plot)}"
         )
-        # Assigning series or scales rebuilds the chart and resets its zoom, so assign only changes.
-        if self._plot.series != plot.series():
-            self._plot.series = plot.series()
+        # Assigning scales rebuilds the chart and resets its zoom, so assign only changes.
         if self._plot.scales != plot.scales():
             self._plot.scales = plot.scales()
         self._plot.data = plot.data()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 from intellwheels_schemas.messages import Event, EventCode
@@ -34,6 +35,10 @@ SENTENCES: Final[dict[EventCode, str]] = {
 }
 
 
+_HASH: Final = re.compile(r",? hash [0-9a-f]{8,}")
+"""The hash of a state, at the end of the reason of an end. A person cannot read it; `iw-run` prints it."""
+
+
 def sentence(event: Event) -> str:
     """Return an event as a sentence, without its time."""
     template = SENTENCES[event.code]
@@ -46,4 +51,4 @@ def sentence(event: Event) -> str:
         role=" as a mind" if event.text == "mind" else "",
     )
     told = event.text is None or "{text}" in template or "{role}" in template
-    return said if told else f"{said}: {event.text}"
+    return said if told else f"{said}: {_HASH.sub('', event.text or '')}"

@@ -1,4 +1,6 @@
-"""The keys I, J, K, L and the stick of a page, in elements that are there whichever tab is open.
+"""The keys and the stick of a page, in elements that are there whichever tab is open.
+
+The keys are those of `iw-joystick`, but for U and O, as O chooses a camera.
 
 A page makes the elements of a tab only when the tab is opened for the first time, so these stand outside the tabs. The
 page sends ten messages a second while the stick is moved or a key is down, and a zero when it is released, the page
@@ -25,9 +27,13 @@ _SCRIPT: Final = """
 const W = window, D = document, GENTLE = %GENTLE%, R = 38;
 if (W.__iwDrive) W.__iwDrive.abort();
 const stop = W.__iwDrive = new AbortController();
-const KEYS = {KeyI: [1, 0], KeyK: [-1, 0], KeyJ: [0, 1], KeyL: [0, -1]};
+const KEYS = {
+  KeyI: [1, 0], KeyK: [-1, 0], KeyJ: [0, 1], KeyL: [0, -1], KeyW: [1, 0], KeyS: [-1, 0], KeyA: [0, 1], KeyD: [0, -1],
+  ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1], KeyQ: [1, 1], KeyE: [1, -1]};
+// A tab, a slider or a list that was reached with the Tab key needs the arrows itself.
+const OWN = 'input,[role=tab],[role=slider],[role=listbox],[role=combobox],[role=radio],[role=textbox],dialog';
 const down = new Set();
-let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
+let tabbed = false, stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
 const clamp = v => Math.max(-1, Math.min(1, v));
 const command = () => {
   if (D.getElementById('iw-drive-off')) return [0, 0];
@@ -49,9 +55,17 @@ const beat = () => {
 const release = () => { down.clear(); stick = null; pointer = null; beat(); };
 const on = (type, f) => W.addEventListener(type, f, {signal: stop.signal, capture: true});
 stop.signal.addEventListener('abort', release);
+on('pointerdown', () => { tabbed = false; });
 on('keydown', e => {
-  if (!(e.code in KEYS) || e.repeat || e.ctrlKey || e.metaKey || e.altKey) return;
-  if (e.target.closest && e.target.closest('input,textarea,select,[contenteditable=true]')) return;
+  if (e.key === 'Tab') tabbed = true;
+  if (!(e.code in KEYS) || e.ctrlKey || e.metaKey || e.altKey) return;
+  const at = e.target;
+  if (at.closest && at.closest('textarea,select,[contenteditable=true],input:not([type=checkbox]):not([type=range])'))
+    return;
+  if (e.code.startsWith('Arrow') && at.closest && tabbed && at.closest(OWN)) return;
+  // These keys would move viser's camera too, or scroll. The camera has the mouse.
+  e.preventDefault(); e.stopPropagation();
+  if (e.repeat) return;
   shift = e.shiftKey; down.add(e.code); beat();
 });
 on('keyup', e => { shift = e.shiftKey; if (down.delete(e.code)) beat(); });

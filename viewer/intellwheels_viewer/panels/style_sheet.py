@@ -13,12 +13,14 @@ from typing import Final
 _LIGHT: Final = (
     "--iw-ink:#1d232b;--iw-soft:#5a636d;--iw-line:#e2e6eb;--iw-tint:#f3f5f8;--iw-chosen:#fff5bf;"
     "--iw-red:#c4161c;--iw-amber:#9a5b00;--iw-green:#1f7a45;--iw-near:#a0143c;--iw-middle:#a34d07;--iw-far:#3c6a8c;"
-    "--iw-wall:#3d4752;--iw-floor:#f4f5f6;--iw-thing:#b9c2cc"
+    "--iw-wall:#3d4752;--iw-floor:#f4f5f6;--iw-thing:#b9c2cc;--iw-edge:#8a939d;"
+    "--iw-focus:#005a9e;--iw-ground:#ffffff"
 )
 _DARK: Final = (
     "--iw-ink:#e6e9ed;--iw-soft:#a4acb6;--iw-line:#3a4048;--iw-tint:#2c3138;--iw-chosen:#3b350f;"
     "--iw-red:#ff7b78;--iw-amber:#f0ad4e;--iw-green:#62c98d;--iw-near:#ff83a6;--iw-middle:#f3a35c;--iw-far:#92bddd;"
-    "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682"
+    "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682;--iw-edge:#78828d;"
+    "--iw-focus:#7cc0f5;--iw-ground:#242424"
 )
 # On the right, text keeps clear of the scrollbar that viser lays over a panel that is longer than the window: 12 px.
 # The contrast of every text colour with its background is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
@@ -58,11 +60,29 @@ vertical-align:bottom}
 margin:2px 0}
 .iw-note.bad{border-color:#d6232a}.iw-note.wait{border-color:#e08a00}.iw-note.good{border-color:#2f9e5b}
 .iw-over{position:relative;height:0;z-index:2;pointer-events:none}
-.iw-over span{position:absolute;right:12px;width:84px;font-size:11px;line-height:12px;white-space:nowrap;
+.iw-over span{position:absolute;right:12px;width:46px;font-size:11px;line-height:12px;white-space:nowrap;
 overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 .iw-plan{position:relative;padding:2px 16px 0 10px}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
 .iw-plan.over{height:0;z-index:2;padding-top:2px}.iw-plan [data-agent]{cursor:pointer}
 .iw-bar{height:5px;border:solid var(--iw-soft);border-width:0 1px 1px}
+div:has(>[data-testid=agents]){max-height:min(44vh,430px);overflow-y:auto;overscroll-behavior:contain}
+.iw tr:has(th) th{position:sticky;top:0;background:var(--iw-ground);z-index:1}
+[data-testid=drive],[data-testid=place]{min-height:58px}
+.iw-spark{display:block;margin-left:auto}.iw td.iw-word{font-size:11px;color:var(--iw-soft)}
+.iw-choice{display:flex;align-items:center;gap:8px;padding-top:3px;padding-bottom:3px;color:var(--iw-soft)}
+.iw-choice>span{flex:0 0 auto;min-width:56px}
+.iw-segments{flex:1;display:flex;min-width:0;border:1px solid var(--iw-edge);border-radius:6px;overflow:hidden}
+.iw-segments button,.iw-tools button{font:inherit;font-size:12px;line-height:16px;color:var(--iw-ink);background:none;
+border:0;padding:5px 3px;cursor:pointer;flex:1 1 auto}
+.iw-segments button+button{border-left:1px solid var(--iw-line)}
+.iw-segments button:hover,.iw-tools button:hover{background:var(--iw-tint)}
+.iw-segments button[aria-pressed=true]{background:var(--iw-ink);color:var(--iw-floor);font-weight:600}
+.iw-segments button:disabled{color:var(--iw-soft);cursor:not-allowed;opacity:.6}
+.iw-segments button:focus-visible,.iw-tools button:focus-visible{outline:2px solid var(--iw-focus);
+outline-offset:-2px}
+.iw-tools{display:flex;gap:5px}
+.iw-tools button{border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
+.iw-tools button[aria-pressed=true]{background:var(--iw-red);border-color:var(--iw-red);color:var(--iw-floor)}
 .iw-drive{display:flex;gap:12px;align-items:center}
 .iw-stick{position:relative;flex:none;width:116px;height:116px;border-radius:50%;touch-action:none;cursor:grab;
 background:radial-gradient(circle,transparent 0 13%,var(--iw-tint) 13% 100%);border:1px solid var(--iw-line);
@@ -80,12 +100,41 @@ border-radius:6px;background:var(--iw-tint);overflow:hidden}
 .iw-scan i{position:absolute;left:0;bottom:0;height:6px;width:100%;background:var(--iw-ink);transform-origin:0 0;
 animation:iw-rest linear}
 @keyframes iw-rest{from{transform:scaleX(0)}to{transform:scaleX(1)}}
+#iw-bar{display:none}
+#iw-keys{max-width:min(560px,calc(100vw - 32px));max-height:calc(100dvh - 32px);overflow:auto;
+border:1px solid var(--iw-edge);border-radius:8px;padding:16px 20px;background:var(--iw-ground);
+color:var(--iw-ink);font-size:13px;line-height:18px}
+#iw-keys::backdrop{background:rgba(0,0,0,.4)}
+#iw-keys h2{margin:0 0 8px;font-size:19px;line-height:24px}#iw-keys th{text-align:left;padding:3px 16px 3px 0;
+vertical-align:top;white-space:nowrap}#iw-keys td{padding:3px 0}#iw-keys p{color:var(--iw-soft)}
+#iw-keys form button{font:inherit;min-height:36px;padding:0 16px;border-radius:6px;border:1px solid var(--iw-edge);
+background:var(--iw-ink);color:var(--iw-ground);cursor:pointer}
+#iw-keys form button:focus-visible,#iw-bar button:focus-visible{outline:3px solid var(--iw-focus);outline-offset:-3px}
+@media (max-width:999.98px) and (orientation:portrait),(max-width:575.98px){
+#iw-bar{display:flex;position:fixed;z-index:300;left:0;right:0;bottom:0;height:56px;background:var(--iw-ground);
+border-top:1px solid var(--iw-edge);padding:0 env(safe-area-inset-right) 0 env(safe-area-inset-left)}
+#iw-bar button{flex:1 1 0;min-width:48px;border:0;border-left:1px solid var(--iw-line);background:none;
+color:var(--iw-ink);font-size:14px;line-height:18px;font-family:inherit;padding:4px 6px;cursor:pointer}
+#iw-bar .iw-now{flex:2 1 0;display:grid;grid-template-columns:auto 1fr;column-gap:8px;align-content:center;
+text-align:left;padding-left:14px;border-left:0;font-variant-numeric:tabular-nums}
+#iw-bar .iw-now i{grid-row:1/3;align-self:center;font-style:normal;font-size:18px;letter-spacing:-3px;width:24px;
+color:var(--iw-amber)}#iw-bar .iw-now i.good{color:var(--iw-green)}#iw-bar .iw-now i.bad{color:var(--iw-red)}
+#iw-bar .iw-now b{font-size:16px;font-weight:600}
+#iw-bar .iw-now span{font-size:12px;line-height:14px;color:var(--iw-soft)}
+#iw-bar button[aria-pressed=true]{background:var(--iw-tint);box-shadow:inset 0 3px var(--iw-focus);font-weight:600}
+.iw-stick{width:148px;height:148px}.iw-stick .iw-knob{left:53px;top:53px}.iw-stick u[style]{display:none}
+.iw-segments button,.iw-tools button{min-height:40px;font-size:13px}}
+@media (max-width:575.98px){
+.mantine-Paper-root[style*="max-height: 60%"]{width:100vw!important;bottom:56px!important;max-height:56dvh!important}
+.mantine-Paper-root[style*="max-height: 60%"] [style*="width: 20em"]{width:100vw!important}
+body:not([data-iw-open]) .mantine-Paper-root[style*="max-height: 60%"],
+body[data-iw-open=""] .mantine-Paper-root[style*="max-height: 60%"]{visibility:hidden;pointer-events:none}}
 body:has(#iw-drive-off) .iw-drive{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
 """
 
 STYLE_SHEET: Final = (
-    f"<style>.iw,.iw-over,.iw-plan{{{_LIGHT}}}"
-    f"[data-mantine-color-scheme=dark] :is(.iw,.iw-over,.iw-plan){{{_DARK}}}{_RULES}</style>"
+    f"<style>.iw,.iw-over,.iw-plan,.iw-shell{{{_LIGHT}}}"
+    f"[data-mantine-color-scheme=dark] :is(.iw,.iw-over,.iw-plan,.iw-shell){{{_DARK}}}{_RULES}</style>"
 )
 """The style element. It has no size."""
 

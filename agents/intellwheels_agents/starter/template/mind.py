@@ -17,7 +17,7 @@ class Mind:
         for reading in measures.sensors.proximity if measures.sensors else ():
             if reading.value is not None:
                 ranges[reading.id] = reading.value
-            elif reading.status == "near":
+            elif reading.status != "none":  # too near, or the sample failed
                 ranges[reading.id] = 0.0
         clearance = min(ranges.values())
         if clearance < 0.8:  # turn slowly on the spot until the way is free

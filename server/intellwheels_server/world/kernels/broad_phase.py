@@ -114,6 +114,8 @@ def pairs_near(shape: Floats, pose: Floats, motion: Floats, wide: Floats) -> Int
     n = pose.shape[1]
     found = np.empty(1 + 8 * n, dtype=np.int64)
     found[0] = 1
+    if n < 2:
+        return found
     x0 = y0 = np.inf
     x1 = y1 = -np.inf
     widest = 0.0

@@ -30,6 +30,8 @@ from intellwheels_server.world.kernels.spatial_query import (
     SIN,
     SLACK,
     WIDE,
+    Nearby,
+    PlacedBodies,
     gather_bodies,
     gather_walls,
     place_bodies,
@@ -168,48 +170,19 @@ def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) 
     )
 
 
-@njit(cache=True, error_model="numpy")
-def sense_proximity(
-    tick: int,
-    pose: Floats,
-    parts: Floats,
-    part_start: Ints,
-    pieces: Floats,
-    links: Ints,
-    edges: Floats,
-    cells: Ints,
-    frame: Floats,
-    mounts: Floats,
-    groups: Ints,
-    beams: Floats,
-    schedule: Ints,
-    samples: Floats,
-) -> None:
-    """Store the samples that all proximity sensors take at a tick.
+# Inlined, so that the compiler sees that the buffers do not overlap: loops over them then run on vectors.
+@njit(cache=True, error_model="numpy", inline="always")
+def _sense_all(
+    tick: int, number: int, pose: Floats, placed: PlacedBodies, walls: Walls, nearby: Nearby, squares: Floats,
+    mounts: Floats, groups: Ints, beams: Floats, schedule: Ints, samples: Floats,
+) -> None:  # fmt: skip
+    """Store the samples that all proximity sensors of a world take at a tick.
 
-    Args:
-        tick: The tick.
-        pose: Pose block of the bodies, float64[>= 3, n]: further rows do not matter.
-        parts: Part block of the bodies.
-        part_start: int64[n + 1], the first part of each body and the end.
-        pieces: Of the walls.
-        links: Of the walls.
-        edges: Of the walls.
-        cells: Of the walls.
-        frame: Of the walls.
-        mounts: float64[mounts, 4], columns `MOUNT_X` to `MOUNT_REACH`.
-        groups: int64[mounts, 4], columns `GROUP_OWNER` to `GROUP_END`.
-        beams: float64[sensors, 9], columns `BEAM_X` to `BEAM_FARTHEST`.
-        schedule: int64[sensors, 8].
-        samples: float64[...], written: status and distance in metres.
+    The number is that of the first mount among all that use the same buffers.
     """
-    if groups.shape[0] == 0:
-        return
-    placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
-    nearby = room_for(placed, walls)
-    _, boxes, extents, cell_start, cell_bodies, grid = placed
+    part_start, boxes, extents, cell_start, cell_bodies, grid = placed
+    pieces, links, edges, cells, frame = walls
     around, polygons, solids, found, found_for = nearby
-    squares = np.empty(around.shape[1])
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
         any_due = False
@@ -220,7 +193,7 @@ def sense_proximity(
         if not any_due:
             continue
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
-        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
+        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], number + mount)
         of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, found)
         near, polygon_count = gather_walls(
             place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, found, found_for
@@ -259,3 +232,70 @@ def sense_proximity(
             else:
                 samples[slot] = STATUS_OK
                 samples[slot + 1] = nearest
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def sense_proximity(
+    tick: int,
+    pose: Floats,
+    parts: Floats,
+    part_start: Ints,
+    pieces: Floats,
+    links: Ints,
+    edges: Floats,
+    cells: Ints,
+    frame: Floats,
+    mounts: Floats,
+    groups: Ints,
+    beams: Floats,
+    schedule: Ints,
+    samples: Floats,
+) -> None:
+    """Store the samples that all proximity sensors take at a tick.
+
+    Args:
+        tick: The tick.
+        pose: Pose block of the bodies, float64[>= 3, n]: further rows do not matter.
+        parts: Part block of the bodies.
+        part_start: int64[n + 1], the first part of each body and the end.
+        pieces: Of the walls.
+        links: Of the walls.
+        edges: Of the walls.
+        cells: Of the walls.
+        frame: Of the walls.
+        mounts: float64[mounts, 4], columns `MOUNT_X` to `MOUNT_REACH`.
+        groups: int64[mounts, 4], columns `GROUP_OWNER` to `GROUP_END`.
+        beams: float64[sensors, 9], columns `BEAM_X` to `BEAM_FARTHEST`.
+        schedule: int64[sensors, 8].
+        samples: float64[...], written: status and distance in metres.
+    """
+    if groups.shape[0] == 0:
+        return
+    placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
+    nearby = room_for(placed, walls)
+    squares = np.empty(nearby.around.shape[1])
+    _sense_all(tick, 0, pose, placed, walls, nearby, squares, mounts, groups, beams, schedule, samples)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def sense_proximity_many(
+    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, parts: Floats, part_start: Ints,
+    pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, mounts: Floats, groups: Ints, beams: Floats,
+    schedule: Ints,
+) -> None:  # fmt: skip
+    """Store the samples of all proximity sensors of the worlds from `first` to before `end`.
+
+    The arguments are those of `sense_proximity`, stacked: the first axis is the world. The worlds share the walls, and
+    have as many parts of each body.
+    """
+    if groups.shape[1] == 0 or first >= end:
+        return
+    walls = Walls(pieces, links, edges, cells, frame)
+    nearby = room_for(place_bodies(numbers[first], parts[first], part_start), walls)
+    squares = np.empty(nearby.around.shape[1])
+    for world in range(first, end):
+        placed = place_bodies(numbers[world], parts[world], part_start)
+        _sense_all(
+            ticks[world], world * groups.shape[1], numbers[world], placed, walls, nearby, squares, mounts[world],
+            groups[world], beams[world], schedule[world], samples[world],
+        )  # fmt: skip

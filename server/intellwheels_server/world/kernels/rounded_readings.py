@@ -11,7 +11,7 @@ from intellwheels_server.world.kernels.arrays import Floats, Ints
 _MOST = 4503599627370496.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def round_readings(spans: Ints, samples: Floats) -> None:
     """Round samples to 1e-6, half to even.
 

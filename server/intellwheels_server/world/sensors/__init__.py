@@ -80,6 +80,10 @@ class _Place(NamedTuple):
     phase: int
 
 
+FittedFields = tuple[tuple[str, tuple[_Place, ...]], ...]
+"""The sensors of a body, by the field that lists them."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Fitting:
     """The sensors of one body, by the field that lists them. Its samples are contiguous."""
@@ -89,7 +93,7 @@ class _Fitting:
     joined: int
     begin: int
     end: int
-    fields: tuple[tuple[str, tuple[_Place, ...]], ...]
+    fields: FittedFields
 
 
 @dataclass(frozen=True)

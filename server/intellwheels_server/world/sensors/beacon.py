@@ -18,12 +18,13 @@ from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import atan2, sincos, wrap
 from intellwheels_server.world.kernels.line_of_sight import in_sight
+from intellwheels_server.world.kernels.measures_text import HEADING
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, walk
 from intellwheels_server.world.kernels.spatial_query import place_boxes
 from intellwheels_server.world.sensors.angles import unit_vector, written_heading
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 # Columns of the settings, float64[sensors, 13]: the place, NaN where the map has none; the point and height; direction
 # and half the cone; range, m; noise, walk and step, rad.
@@ -149,6 +150,10 @@ class BeaconKind(Kind):
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> BeaconBlock:
         """Return the block."""
         return BeaconBlock(np.array([_settings(sensor) for sensor in fitted], dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return whether it is seen as the code, and the bearing."""
+        return Written((("value", HEADING),), codes=2)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> BeaconReading:
         """Return the bearing in the body frame, rad, or that it is not seen."""

@@ -11,7 +11,7 @@ from intellwheels_schemas.messages import Bumper, BumperReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,6 +41,10 @@ class BumperKind(Kind):
     def compile(self, _fitted: Sequence[Fitted], schedule: Ints, /) -> BumperBlock:
         """Return the block."""
         return BumperBlock(schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return whether it is pressed as the code."""
+        return Written(codes=2)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> BumperReading:
         """Return whether it is pressed."""

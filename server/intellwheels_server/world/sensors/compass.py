@@ -13,11 +13,12 @@ from intellwheels_schemas.messages import Compass, CompassReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import wrap
+from intellwheels_server.world.kernels.measures_text import HEADING
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, walk
 from intellwheels_server.world.sensors.angles import written_heading
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 # Columns of the settings, float64[sensors, 3], rad.
 _SIGMA, _STEP, _WALK = 0, 1, 2
@@ -70,6 +71,10 @@ class CompassKind(Kind):
         """Return the block."""
         degrees = [(one.declaration.noise_deg, one.declaration.step_deg, one.declaration.walk_deg) for one in fitted]
         return CompassBlock(np.array(degrees, dtype=np.float64) * (math.pi / 180.0), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the heading."""
+        return Written((("value", HEADING),))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> CompassReading:
         """Return the heading, rad."""

@@ -21,11 +21,12 @@ from numba import njit
 from intellwheels_schemas.messages import MAX_INTEGER, Encoders, EncodersReading, Robot
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.measures_text import WHOLE
 from intellwheels_server.world.kernels.motor_model import wheel_scales
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import memory_of
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
 
 # The largest count that a message can carry. A wheel of a nanometre would soon exceed it.
 _MOST = float(MAX_INTEGER)
@@ -81,6 +82,15 @@ def _take(tick: int, numbers: Floats, figures: Floats, schedule: Ints, samples: 
             samples[slot + 1] = samples[place + RIGHT_COUNT]
 
 
+@njit(cache=True, error_model="numpy", nogil=True)
+def _take_many(
+    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, figures: Floats, schedule: Ints
+) -> None:  # fmt: skip
+    """Store the samples of some worlds, of which every array has a row each."""
+    for world in range(first, end):
+        _take(ticks[world], numbers[world], figures[world], schedule[world], samples[world])
+
+
 def encoder_figures(robot: Robot, drift: float) -> tuple[float, float, float]:
     """Return the ticks per metre of the true left and right wheel, and the variance per metre, m."""
     left, right = wheel_scales(robot.wheel_ratio, robot.wheel_scale)
@@ -102,6 +112,17 @@ class EncodersBlock:
         """Store the samples that are due at a tick."""
         _take(tick, view.numbers, self.figures, self.schedule, samples)
 
+    def stackable(self) -> tuple[Array, ...]:
+        """Return the arrays that `take_many` needs."""
+        return self.figures, self.schedule
+
+    @staticmethod
+    def take_many(
+        ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
+    ) -> None:
+        """Store the samples that are due in some worlds."""
+        _take_many(ticks, views.numbers, samples, first, end, *arrays)
+
 
 class EncodersKind(Kind):
     """The kind that serves `Encoders`."""
@@ -117,6 +138,10 @@ class EncodersKind(Kind):
         """Return the block."""
         figures = [encoder_figures(sensor.robot, sensor.declaration.drift) for sensor in fitted]
         return EncodersBlock(np.array(figures, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the counts."""
+        return Written((("left", WHOLE), ("right", WHOLE)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> EncodersReading:
         """Return the counts."""

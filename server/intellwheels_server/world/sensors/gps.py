@@ -12,9 +12,10 @@ from intellwheels_schemas.messages import GPS, GPSReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.measures_text import DECIMAL
 from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, spoilt, walk
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 # Columns of the settings, float64[sensors, 5]: the point, then m.
 _X, _Y, _SIGMA, _STEP, _WALK = 0, 1, 2, 3, 4
@@ -66,6 +67,10 @@ class GPSKind(Kind):
         ones: list[GPS] = [sensor.declaration for sensor in fitted]
         settings = [(one.x, one.y, one.noise, one.step, one.walk) for one in ones]
         return GPSBlock(np.array(settings, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the position."""
+        return Written((("x", DECIMAL), ("y", DECIMAL)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GPSReading:
         """Return the position on the map, m."""

@@ -13,7 +13,7 @@ from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import sincos
 from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 
 @njit(cache=True, error_model="numpy")
@@ -81,6 +81,10 @@ class GroundKind(Kind):
             starts=np.cumsum([0, *(len(zone.corner) for zone in floor.zone)], dtype=np.int64),
             schedule=schedule,
         )
+
+    def written(self, sensor: Fitted, /) -> Written:
+        """Return the zone as the code."""
+        return Written(codes=1 + len(sensor.floor.zone), lowest=-1)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GroundReading:
         """Return the zone's name, or none."""

@@ -16,10 +16,11 @@ from numba import njit
 from intellwheels_schemas.messages import IMU, IMUReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.measures_text import DECIMAL
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, spoilt, walk
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 # Columns of the settings, float64[sensors, 6].
 _SIGMA, _STEP, _WALK, _TURN_SIGMA, _TURN_STEP, _TURN_WALK = 0, 1, 2, 3, 4, 5
@@ -97,6 +98,10 @@ class IMUKind(Kind):
         ones: list[IMU] = [sensor.declaration for sensor in fitted]
         settings = [(one.noise, one.step, one.walk, one.turn_noise, one.turn_step, one.turn_walk) for one in ones]
         return IMUBlock(np.array(settings, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return accelerations and turn rate."""
+        return Written((("forward", DECIMAL), ("left", DECIMAL), ("turn_rate", DECIMAL)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> IMUReading:
         """Return accelerations, m/s2, and turn rate, rad/s."""

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Final, NamedTuple, Protocol
+from typing import Any, ClassVar, Final, NamedTuple, Protocol, runtime_checkable
+
+import msgspec
+from numpy.typing import NDArray
 
 from intellwheels_schemas.messages import Map, Position, Record, Robot
 from intellwheels_schemas.rules import SENSOR_RECORDS
@@ -18,7 +21,7 @@ Declaration = Any
 """One of the declaration classes; each kind knows its own."""
 
 
-class View(NamedTuple):
+class View(msgspec.Struct, frozen=True, gc=False):
     """The world at a tick, as sensors can see it.
 
     Attributes:
@@ -26,6 +29,26 @@ class View(NamedTuple):
         parts: Part block of the bodies.
         part_start: int64[n + 1], the first part of each body and the end.
         walls: The walls and obstacles of the map.
+        period: Simulated time of a tick, s.
+        threads: Threads that may share the work. The samples are the same for any number.
+    """
+
+    numbers: Floats
+    parts: Floats
+    part_start: Ints
+    walls: Walls
+    period: float
+    threads: int = 1
+
+
+class ManyViews(NamedTuple):
+    """Many worlds, each at a tick, as sensors can see them. The first axis is the world.
+
+    Attributes:
+        numbers: float64[worlds, NUMBER_ROWS, n].
+        parts: float64[worlds, parts, 6].
+        part_start: int64[n + 1], the same in all worlds.
+        walls: The walls and obstacles of the map, the same in all worlds.
         period: Simulated time of a tick, s.
     """
 
@@ -54,11 +77,57 @@ class Fitted(NamedTuple):
     floor: Map
 
 
+Array = NDArray[Any]
+"""An array of a block, float64 or int64."""
+
+
+class Written(NamedTuple):
+    """How a sample is written as a message without making a reading of it.
+
+    Attributes:
+        fields: The fields of the reading that are numbers of the sample, in its order and behind the code if there is
+            one, each with `DECIMAL`, `HEADING` or `WHOLE` of `kernels.measures_text`.
+        codes: Values that the first number of a sample can have, if all else in a reading follows from it; 0 if the
+            first number is the first field.
+        lowest: The lowest of these values; the others follow it one by one.
+    """
+
+    fields: tuple[tuple[str, int], ...] = ()
+    codes: int = 0
+    lowest: int = 0
+
+
 class Block(Protocol):
-    """All sensors of one kind, compiled."""
+    """All sensors of one kind, compiled.
+
+    A block may also have the methods of `StackableBlock`, for the sensors of many worlds in one call.
+    """
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
+
+
+@runtime_checkable
+class StackableBlock(Block, Protocol):
+    """A block that can be sampled in many worlds at once. Its function must not hold Python's lock."""
+
+    def stackable(self) -> tuple[Array, ...] | None:
+        """Return the arrays that `take_many` needs; None if this block must be sampled alone."""
+
+    @staticmethod
+    def take_many(
+        ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
+    ) -> None:
+        """Store the samples that are due in the worlds from `first` to before `end`, exactly as `take` does in each.
+
+        Args:
+            ticks: int64[worlds], the tick of each world.
+            views: The worlds.
+            arrays: What `stackable` returned in each world, stacked: the first axis is the world.
+            samples: float64[worlds, ...], written.
+            first: The first world.
+            end: One past the last.
+        """
 
 
 READING_BYTES: Final = 512
@@ -163,6 +232,13 @@ class Kind(ABC):
             _floor: A map with at least one named place.
         """
         return (self.declaration(id=self.field),)
+
+    def written(self, _sensor: Fitted, /) -> Written | None:
+        """Return how its samples are written without making a reading; by default None: a reading is made of each.
+
+        What is written this way must be what the codec writes of `reading`.
+        """
+        return None
 
     @abstractmethod
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> Block:

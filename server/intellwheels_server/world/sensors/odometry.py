@@ -22,6 +22,7 @@ from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading, R
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.geometry import arc
+from intellwheels_server.world.kernels.measures_text import DECIMAL, HEADING
 from intellwheels_server.world.kernels.sample_schedule import due_slot
 from intellwheels_server.world.kernels.sensor_errors import memory_of
 from intellwheels_server.world.sensors.angles import written_heading
@@ -32,7 +33,7 @@ from intellwheels_server.world.sensors.encoders import (
     count_rolled,
     encoder_figures,
 )
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
 
 ODOMETRY_STREAM: Final = "@odometry"
 """The noise stream of odometry without encoders. No sensor can have this id."""
@@ -78,6 +79,16 @@ def _take(tick: int, numbers: Floats, figures: Floats, nominal: Floats, schedule
                 samples[slot + at] = samples[place + _X + at]
 
 
+@njit(cache=True, error_model="numpy", nogil=True)
+def _take_many(
+    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, figures: Floats, nominal: Floats,
+    schedule: Ints,
+) -> None:  # fmt: skip
+    """Store the samples of some worlds, of which every array has a row each."""
+    for world in range(first, end):
+        _take(ticks[world], numbers[world], figures[world], nominal[world], schedule[world], samples[world])
+
+
 @dataclass(frozen=True)
 class OdometryBlock:
     """All odometry."""
@@ -89,6 +100,17 @@ class OdometryBlock:
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
         _take(tick, view.numbers, self.figures, self.nominal, self.schedule, samples)
+
+    def stackable(self) -> tuple[Array, ...]:
+        """Return the arrays that `take_many` needs."""
+        return self.figures, self.nominal, self.schedule
+
+    @staticmethod
+    def take_many(
+        ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
+    ) -> None:
+        """Store the samples that are due in some worlds."""
+        _take_many(ticks, views.numbers, samples, first, end, *arrays)
 
 
 class OdometryKind(Kind):
@@ -115,6 +137,10 @@ class OdometryKind(Kind):
         ]
         nominal = [(math.pi * robot.wheel_diameter / robot.encoder_ticks, robot.track) for robot in robots]
         return OdometryBlock(np.array(figures, dtype=np.float64), np.array(nominal, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the pose."""
+        return Written((("x", DECIMAL), ("y", DECIMAL), ("heading", HEADING)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> OdometryReading:
         """Return the pose since joining, m and rad."""

@@ -10,9 +10,10 @@ from numba import njit
 from intellwheels_schemas.messages import Truth, TruthReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.measures_text import DECIMAL, HEADING
 from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
 from intellwheels_server.world.sensors.angles import written_heading
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View, Written
 
 
 @njit(cache=True, error_model="numpy")
@@ -50,6 +51,12 @@ class TruthKind(Kind):
     def compile(self, _fitted: Sequence[Fitted], schedule: Ints, /) -> TruthBlock:
         """Return the block."""
         return TruthBlock(schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return pose and twist."""
+        return Written(
+            (("x", DECIMAL), ("y", DECIMAL), ("heading", HEADING), ("speed", DECIMAL), ("turn_rate", DECIMAL))
+        )
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> TruthReading:
         """Return pose and twist."""

@@ -1,11 +1,11 @@
 """Who could meet whom: the grids find what looking at every pair finds."""
 
 import numpy as np
-import pytest
 
 from intellwheels_server.world.kernels.arrays import PIECE_BOTTOM, PIECE_TOP, Floats, Ints, Walls
 from intellwheels_server.world.kernels.broad_phase import pairs_near, piece_apart, pieces_near
 from intellwheels_server.world.wall_pieces import Line, walls_from
+from tests.every_case import every_case
 
 RNG = np.random.default_rng(20)
 
@@ -14,9 +14,9 @@ def listed(found: Ints) -> list[tuple[int, int]]:
     return sorted((int(found[k]), int(found[k + 1])) for k in range(1, found[0], 2))
 
 
-@pytest.mark.parametrize("count", [1, 2, 11, 12, 150])
-@pytest.mark.parametrize("side", [0.0, 12.0, 2e5])
-@pytest.mark.parametrize("giant", [False, True])
+@every_case("count", [1, 2, 11, 12, 150])
+@every_case("side", [0.0, 12.0, 2e5])
+@every_case("giant", [False, True])
 def test_pairs_are_those_whose_circles_meet(count: int, side: float, giant: bool) -> None:
     pose = np.vstack([RNG.uniform(-side, side, (2, count)), np.zeros(count)])
     wide = RNG.uniform(0.05, 1.5, count)

@@ -11,6 +11,7 @@ from intellwheels_server.world.kernels import geometry
 from intellwheels_server.world.kernels.arrays import PIECE_X0, Box, Floats, part_rows
 from intellwheels_server.world.kernels.elementary import sincos
 from intellwheels_server.world.wall_pieces import Solid, walls_from
+from tests.every_case import every_case
 
 NO_FLOOR = -math.inf
 
@@ -64,7 +65,7 @@ def test_overlap_with_wall_pieces_is_that_of_geos() -> None:
     assert ((np.array(depths) > 0.0) == shapely.intersects(outlines(boxes), shapely.Polygon(hull)))[clear].all()
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("a", "b", "expected"),
     [
         # side by side: touching, one apart, one in

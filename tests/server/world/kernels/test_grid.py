@@ -1,12 +1,12 @@
 """Uniform grids: nothing that overlaps a cell is missing from it."""
 
 import numpy as np
-import pytest
 
 from intellwheels_server.world.kernels.grid import cell_of, fill_cells
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("x", "cell"), [(-5.0, 0), (0.0, 0), (0.49, 0), (0.5, 1), (1.99, 3), (2.0, 3), (1e300, 3), (float("nan"), 0)]
 )
 def test_coordinates_outside_belong_to_the_cell_at_the_edge(x: float, cell: int) -> None:

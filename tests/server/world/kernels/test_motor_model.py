@@ -1,10 +1,12 @@
 """Motors and wheels, against the figures of the paper's equation (1) and of exact integration."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import intellwheels_server.world
 from intellwheels_server.world.kernels.arrays import TRAVEL, TURN, Floats
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.motor_model import (
@@ -16,8 +18,10 @@ from intellwheels_server.world.kernels.motor_model import (
     wheel_cycle,
     wheel_scales,
 )
+from tests.every_case import every_case
 
 INF = math.inf
+MODEL = Path(intellwheels_server.world.__file__).with_name("MODEL.md").read_text(encoding="utf-8")
 
 
 def motor(
@@ -53,10 +57,20 @@ def driven(
 
 @pytest.mark.parametrize("period", [0.1, 0.05, 0.02, 0.01])
 def test_way_of_the_first_second_does_not_depend_on_the_cycle(period: float) -> None:
-    # MODEL.md, Motion: a = 0.9, full power, 1 m/s. (The paper's own sum, new power times T, gives 0.604709.)
+    # MODEL.md, Motion: a = 0.9, full power, 1 m/s.
     x, y, heading = driven(0.9, period, [(1.0, 1.0, 1.0)])
     assert x == pytest.approx(0.583134469338476, abs=1e-14)
     assert (y, heading) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("period", "total"), [(0.05, 0.6047), (0.1, 0.6255)])
+def test_sum_of_the_paper_depends_on_the_cycle_as_the_page_says(period: float, total: float) -> None:
+    kept, output, summed = 0.9 ** (period / 0.05), 0.0, 0.0
+    for _ in range(round(1.0 / period)):
+        output = 1.0 - kept + kept * output
+        summed += output * period
+    assert summed == pytest.approx(total, abs=5e-5)
+    assert f"{total} m at {round(1000.0 * period)} ms" in MODEL
 
 
 def test_way_is_the_closed_integral() -> None:
@@ -151,8 +165,8 @@ def test_acceleration_is_limited_after_the_lag() -> None:
     assert wheel_cycle(0.0, 1.0, *lag(0.5, 0.05), 20.0, 1.0, 0.05)[0] == 0.5
 
 
-@pytest.mark.parametrize("a", [0.0, 0.5, 0.95])
-@pytest.mark.parametrize("limit", [0.3, 1.0, 2.0])
+@every_case("a", [0.0, 0.5, 0.95])
+@every_case("limit", [0.3, 1.0, 2.0])
 def test_limited_wheel_meets_the_closed_solution_whatever_the_cycle(a: float, limit: float) -> None:
     tau = -0.05 / math.log(a) if a > 0.0 else 0.0
     # Even until the lag asks for less than the limit, then exponential: from 0.2 to -0.9 m/s in 6 s.

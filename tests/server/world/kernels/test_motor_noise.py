@@ -7,6 +7,7 @@ import pytest
 
 from intellwheels_server.world.kernels.motor_noise import HOLD, interval_of, noise_factor
 from intellwheels_server.world.kernels.noise import noise_key
+from tests.every_case import every_case
 
 
 def test_factor_has_its_standard_deviation_and_each_motor_its_own() -> None:
@@ -20,7 +21,7 @@ def test_factor_has_its_standard_deviation_and_each_motor_its_own() -> None:
     assert abs(np.corrcoef(found[1:, 0], found[:-1, 0])[0, 1]) < 4 / np.sqrt(4000)
 
 
-@pytest.mark.parametrize("period", [0.001, 0.01, 0.02, 0.05, 0.1, 0.2, 0.03, 0.007])
+@every_case("period", [0.001, 0.01, 0.02, 0.05, 0.1, 0.2, 0.03, 0.007])
 def test_intervals_begin_at_the_same_times_whatever_the_tick(period: float) -> None:
     for edge in (*range(1, 400), 2_000_000):
         tick = round(edge * HOLD / period)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS, ping_delay, wall_beam
+from tests.every_case import every_case
 from tests.server.world.sonars import many, readings
 from tests.server.worlds import box_wall, cart, run, world
 
@@ -25,7 +26,7 @@ def _sample(ticks: int, **fields: Any) -> list[float | str]:
     return found
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("turn", "share", "fields"),
     [
         (17.9, 1.0, {"cone_deg": 60.0}),

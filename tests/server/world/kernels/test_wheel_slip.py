@@ -14,6 +14,7 @@ from intellwheels_server.world.kernels.wheel_slip import (
     rolled_while_stalled,
     slip_figures,
 )
+from tests.every_case import every_case
 
 
 @pytest.mark.parametrize(("slip", "rolled"), [(0.0, (0.01, 0.0)), (0.25, (0.0325, 0.05)), (1.0, (0.1, 0.2))])
@@ -23,8 +24,8 @@ def test_wheels_roll_on_by_a_share_of_the_motion_denied(slip: float, rolled: tup
     assert rolled_while_blocked(flaws, 0, 0.1, 0.2, 0.01, 0.0, 7, 0.05) == pytest.approx(rolled, abs=1e-15)
 
 
-@pytest.mark.parametrize("slip", [0.25, 1.0])
-@pytest.mark.parametrize("period", [0.01, 0.02, 0.05, 0.1, 0.2])
+@every_case("slip", [0.25, 1.0])
+@every_case("period", [0.01, 0.02, 0.05, 0.1, 0.2])
 def test_wheels_of_a_pressed_body_roll_by_time_and_not_by_ticks(slip: float, period: float) -> None:
     robot = Robot(slip=slip, top_speed=1.0, track=0.5, acceleration_curve=0.9)
     motors, flaws = np.array(motor_figures(robot, period)).reshape(-1, 1), np.zeros((FLAW_ROWS, 1))

@@ -8,9 +8,10 @@ from intellwheels_maps import floor
 from intellwheels_schemas.messages import Corner
 from intellwheels_server.world.sensors.catalogue import KINDS
 from intellwheels_server.world.sensors.kind import Kind
+from tests.every_case import every_case
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.field)
+@every_case("kind", KINDS.values(), ids=lambda kind: kind.field)
 def test_each_kind_takes_samples_of_its_declarations(kind: Kind) -> None:
     for declaration in kind.examples(floor("room")):
         assert isinstance(declaration, kind.declaration)

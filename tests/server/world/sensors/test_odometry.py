@@ -12,6 +12,7 @@ from intellwheels_schemas.file_records import Join
 from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading
 from intellwheels_server.world import Setup, State, apply, begin, measures
 from intellwheels_server.world.kernels.arrays import Floats
+from tests.every_case import every_case
 from tests.server.worlds import ROUNDED, RUN, cart, floor_of, run, world
 
 _FINE: dict[str, Any] = {"encoder_ticks": 1_000_000, "odometry": (Odometry(id="o"),)}
@@ -122,7 +123,7 @@ def _umbmark(e_d: float, e_b: float) -> tuple[float, float]:
     return found_d, (math.pi / 2.0) / (math.pi / 2.0 - alpha)
 
 
-@pytest.mark.parametrize("e_d", [0.997, 0.999, 1.0, 1.003])
-@pytest.mark.parametrize("e_b", [0.99, 1.0, 1.004, 1.01])
+@every_case("e_d", [0.997, 0.999, 1.0, 1.003])
+@every_case("e_b", [0.99, 1.0, 1.004, 1.01])
 def test_umbmark_gives_back_what_was_put_in(e_d: float, e_b: float) -> None:
     assert _umbmark(e_d, e_b) == pytest.approx((e_d, e_b), abs=1e-3)

@@ -13,6 +13,7 @@ from intellwheels_schemas.messages import Part, Position, Proximity, Robot
 from intellwheels_server.world import State, measures
 from intellwheels_server.world.sensors import check_sensors
 from intellwheels_server.world.sensors.proximity import ProximityKind
+from tests.every_case import every_case
 from tests.server.worlds import ROUNDED, box_wall, cart, floor_of, run, world
 
 # The paper's example: a top from 0.69 to 0.72 m on four legs of 5 cm.
@@ -84,7 +85,7 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
     assert _seen(state, "a") == _seen(state, "b") == [pytest.approx(2.0, abs=1e-12)]
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("fields", "text"),
     [
         ({"dropout": 0.1}, r"Dropout: expected 0 with the model ideal, got 0.1"),
@@ -114,7 +115,7 @@ def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str
             check_sensors(robot, floor_of(), truth=False, period=0.05)
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("fields", "period", "text"),
     [
         # Sound goes 8 m to the end of the range and back.
