@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -17,10 +15,10 @@ from hypothesis import strategies as st
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer.cameras import (
-    FIRST_FOV,
     FOV,
     MARGIN,
     PLAN_FOV,
+    SEATED,
     SMALLEST,
     STEEP,
     TALLEST,
@@ -35,7 +33,9 @@ from intellwheels_viewer.cameras import (
     plan_of,
     ray,
 )
+from intellwheels_viewer.head_turn import DOWN, REACH, Eye
 from tests.every_case import every_case
+from tests.viewer.fake_camera import FakeCamera
 from tests.viewer.wire import entity
 
 EMPTY = Map(format="iw.v1", name="empty")
@@ -146,8 +146,37 @@ def test_the_plan_is_from_above_and_north_is_up() -> None:
 def test_who_sits_looks_ahead_from_the_height_of_the_head() -> None:
     view = first_person(entity("a", 2.0, 3.0, heading=math.pi / 2))
     assert view.position == pytest.approx((2.0, 3.05, 1.2))
-    assert view.look_at[1] > 5.0
-    assert view.fov == FIRST_FOV
+    assert view.look_at[1] > view.position[1]
+    assert view.fov == SEATED.fov
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.6])
+def test_the_view_from_the_chair_is_the_place_that_the_plan_shows(turned: float) -> None:
+    # The corners of the room and the jambs of its door, at the floor and at the top.
+    plan_points = np.array([(0.0, 0.0), (8.95, 0.0), (8.95, 8.0), (9.0, 3.45), (9.0, 4.55), (13.0, 5.0)])
+    chair = entity("a", 1.2, 3.0, heading=0.1)
+    eye = Eye(0.12, 1.2, math.radians(88.0))
+    first = first_person(chair, eye, yaw=turned)
+    plan = plan_of(corners_of(library.floor("room")), 1.6)
+    on_plan = projected(np.column_stack([plan_points, np.zeros(6)]), plan, 1.6)
+    (here,) = projected(np.array([(*first.position[:2], 0.0)]), plan, 1.6)
+    (ahead,) = projected(np.array([(first.position[0] + 1.0, first.position[1], 0.0)]), plan, 1.6)
+    metre = (ahead[0] - here[0]) * 1.6  # in half heights of the picture
+    seen = 0
+    for height, (point, there) in itertools.product((0.0, 2.5), zip(plan_points, on_plan, strict=True)):
+        east, north = (there[0] - here[0]) * 1.6 / metre, (there[1] - here[1]) / metre
+        bearing, far = math.atan2(north, east) - chair.heading - turned, math.hypot(north, east)
+        if abs(bearing) < 0.9:  # before the eye
+            seen += 1
+            (spot,) = projected(np.array([(*point, height)]), first, 1.6)
+            # What a lens that looks down by DOWN makes of a point at this bearing, distance and height.
+            ahead_of, aside, above = far * math.cos(bearing), -far * math.sin(bearing), height - eye.height
+            depth = ahead_of * math.cos(DOWN) - above * math.sin(DOWN)
+            up = ahead_of * math.sin(DOWN) + above * math.cos(DOWN)
+            tall = math.tan(eye.fov / 2)
+            assert spot[0] == pytest.approx(aside / depth / tall / 1.6, abs=0.01)
+            assert spot[1] == pytest.approx(up / depth / tall, abs=0.01)
+    assert seen >= 6
 
 
 def test_following_begins_behind_and_above() -> None:
@@ -177,7 +206,7 @@ def test_a_ray_that_meets_no_floor_meets_nothing(origin: tuple[float, ...], dire
 
 
 def test_the_line_of_sight_through_a_projected_point_meets_it() -> None:
-    camera = Fake().camera
+    camera = FakeCamera().camera
     points = np.array([(2.0, 1.0, 0.0), (-1.0, 0.5, 0.0)])
     view = View(np.array(camera.position), np.array(camera.look_at), camera.fov)
     for point, (right, up) in zip(points, projected(points, view, camera.aspect), strict=True):
@@ -187,45 +216,13 @@ def test_the_line_of_sight_through_a_projected_point_meets_it() -> None:
 # ---------------------------------------------------------------- a browser's camera
 
 
-class Fake:
-    """A browser: it keeps what it is told as a page does, and reports it when asked to."""
-
-    def __init__(self, *, width: int = 1280, height: int = 800) -> None:
-        self.calls: list[Any] = []
-        self.camera: Any = SimpleNamespace(
-            position=(4.0, -6.0, 5.0), look_at=(0.0, 0.0, 0.0), up_direction=(0.0, 0.0, 1.0), fov=0.8, near=0.1,
-            far=1000.0, image_width=width, image_height=height, aspect=width / max(height, 1),
-            on_update=self._hear,
-        )  # fmt: skip
-
-    def _hear(self, call: Any) -> Any:
-        self.calls.append(call)
-        return call
-
-    @contextmanager
-    def atomic(self) -> Iterator[None]:
-        yield
-
-    def report(self, **changes: Any) -> None:
-        """The page says where its camera is."""
-        import asyncio
-
-        for name, value in changes.items():
-            setattr(self.camera, name, value)
-        for call in self.calls:
-            asyncio.run(call(self.camera))
-
-    def resize(self, width: int, height: int) -> None:
-        self.report(image_width=width, image_height=height, aspect=width / max(height, 1))
+@pytest.fixture
+def client() -> FakeCamera:
+    return FakeCamera()
 
 
 @pytest.fixture
-def client() -> Fake:
-    return Fake()
-
-
-@pytest.fixture
-def camera(client: Fake) -> Camera:
+def camera(client: FakeCamera) -> Camera:
     made = Camera(cast(Any, client))
     client.report()  # the page's first word: its window
     return made
@@ -234,25 +231,25 @@ def camera(client: Fake) -> Camera:
 ROOM = library.floor("room")
 
 
-def shows(client: Fake, floor: Map = ROOM) -> bool:
+def shows(client: FakeCamera, floor: Map = ROOM) -> bool:
     view = View(np.array(client.camera.position), np.array(client.camera.look_at), client.camera.fov)
     return bool(np.abs(projected(corners_of(floor), view, client.camera.aspect)).max() < 1.0)
 
 
-def test_another_floor_is_shown_whole(client: Fake, camera: Camera) -> None:
+def test_another_floor_is_shown_whole(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     assert shows(client)
     camera.frame(library.floor("ward"))
     assert shows(client, library.floor("ward"))
 
 
-def test_the_view_is_fitted_again_when_panels_dock_and_nobody_moved_it(client: Fake, camera: Camera) -> None:
+def test_the_view_is_fitted_again_when_panels_dock_and_nobody_moved_it(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     client.resize(500, 900)
     assert shows(client)
 
 
-def test_who_has_moved_the_view_keeps_it(client: Fake, camera: Camera) -> None:
+def test_who_has_moved_the_view_keeps_it(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     client.report()  # the echo of ours
     client.report(position=(1.0, 1.0, 1.0))
@@ -260,7 +257,7 @@ def test_who_has_moved_the_view_keeps_it(client: Fake, camera: Camera) -> None:
     assert tuple(client.camera.position) == (1.0, 1.0, 1.0)
 
 
-def test_late_echoes_are_no_moves_of_the_user(client: Fake, camera: Camera) -> None:
+def test_late_echoes_are_no_moves_of_the_user(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     first = client.camera.position
     client.report()
@@ -271,7 +268,7 @@ def test_late_echoes_are_no_moves_of_the_user(client: Fake, camera: Camera) -> N
     assert shows(client, library.floor("ward"))
 
 
-def test_following_goes_along_and_keeps_the_users_orbit(client: Fake, camera: Camera) -> None:
+def test_following_goes_along_and_keeps_the_users_orbit(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.report()
     around = np.array(client.camera.look_at) + np.array([0.0, 5.0, 5.0])
@@ -281,18 +278,34 @@ def test_following_goes_along_and_keeps_the_users_orbit(client: Fake, camera: Ca
     assert client.camera.look_at[0] == pytest.approx(3.0)
 
 
-def test_following_what_stands_writes_nothing(client: Fake, camera: Camera) -> None:
+def test_following_what_stands_writes_nothing(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.camera.position = "untouched"
     camera.follow(entity("a"))
     assert client.camera.position == "untouched"
 
 
-def test_first_person_sits_in_the_chair(client: Fake, camera: Camera) -> None:
+def test_first_person_sits_in_the_chair(client: FakeCamera, camera: Camera) -> None:
     camera.choose("first", entity("a", 2.0, heading=0.0))
     camera.follow(entity("a", 4.0, heading=0.0))
     assert client.camera.position[0] == pytest.approx(4.05)
-    assert client.camera.fov == FIRST_FOV
+    assert client.camera.fov == SEATED.fov
+
+
+def test_the_mouse_turns_the_head_and_the_chair_goes_on(client: FakeCamera, camera: Camera) -> None:
+    camera.choose("first", entity("a", 2.0))
+    client.report()
+    assert camera.turning == 0.0
+    eye, look = np.array(client.camera.position), np.array(client.camera.look_at)
+    # The page turns the view about a point just ahead: half a turn to the left.
+    client.report(position=tuple(look + np.array([0.0, -REACH, 0.0])), look_at=tuple(look))
+    assert camera.turning > 0.0
+    camera.follow(entity("a", 3.0))
+    moved, ahead = np.array(client.camera.position), np.array(client.camera.look_at)
+    assert moved == pytest.approx(eye + np.array([1.0, 0.0, 0.0]))
+    assert (ahead - moved)[1] == pytest.approx(REACH, abs=1e-3)
+    camera.choose("first", entity("a", 3.0))
+    assert camera.turning == 0.0
 
 
 def test_nobody_can_be_followed_but_somebody(camera: Camera) -> None:
@@ -304,7 +317,7 @@ def test_nobody_can_be_followed_but_somebody(camera: Camera) -> None:
     assert str(camera.mode) == "plan"
 
 
-def test_an_orbit_of_the_plan_is_no_plan_any_more(client: Fake, camera: Camera) -> None:
+def test_an_orbit_of_the_plan_is_no_plan_any_more(client: FakeCamera, camera: Camera) -> None:
     camera.frame(ROOM)
     camera.choose("plan", None)
     assert client.camera.fov == PLAN_FOV
@@ -314,7 +327,7 @@ def test_an_orbit_of_the_plan_is_no_plan_any_more(client: Fake, camera: Camera) 
     assert client.camera.fov == FOV
 
 
-def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: Fake, camera: Camera) -> None:
+def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: FakeCamera, camera: Camera) -> None:
     from intellwheels_schemas.messages import Corner, Wall
 
     line = (Corner(x=-900.0, y=0.0), Corner(x=900.0, y=0.0))
@@ -331,7 +344,7 @@ def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: Fake, cam
         {"image_height": 0, "aspect": math.inf}, {"position": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, 0.0)},
     ],
 )  # fmt: skip
-def test_what_is_no_camera_is_not_believed(client: Fake, camera: Camera, nonsense: dict[str, Any]) -> None:
+def test_what_is_no_camera_is_not_believed(client: FakeCamera, camera: Camera, nonsense: dict[str, Any]) -> None:
     camera.frame(ROOM)
     client.report()
     before = dict(vars(client.camera))
@@ -342,7 +355,7 @@ def test_what_is_no_camera_is_not_believed(client: Fake, camera: Camera, nonsens
     assert shows(client)
 
 
-def test_a_camera_that_cannot_be_set_is_left(client: Fake) -> None:
+def test_a_camera_that_cannot_be_set_is_left(client: FakeCamera) -> None:
     class Stubborn:
         on_update = staticmethod(lambda call: call)
 

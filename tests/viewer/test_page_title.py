@@ -7,9 +7,10 @@ from dataclasses import replace
 import msgspec
 import pytest
 
-from intellwheels_viewer.page_title import script, title_of
+from intellwheels_viewer.page_title import reality, script, title_of
 from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.panels import made_up
+from tests.viewer.wire import body
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -17,11 +18,20 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_a_title_names_the_floor_and_the_world() -> None:
     floor = made_up.snapshot().floor
     assert floor is not None
-    assert title_of(made_up.snapshot()) == f"{floor.title} \u2013 main \u2013 IntellWheels"
+    assert title_of(made_up.snapshot()) == f"{floor.title} \u2013 1 real, 6 virtual \u2013 main \u2013 IntellWheels"
+    assert title_of(SNAPSHOT).endswith("IntellWheels")
     assert title_of(replace(made_up.snapshot(), floor=msgspec.structs.replace(floor, title=None))).startswith(
         floor.name
     )
     assert title_of(made_up.nothing("no-world")) == "IntellWheels"
+
+
+def test_it_says_what_is_real_and_nothing_where_nothing_is() -> None:
+    bodies = {name: body(name) for name in ("a", "b")}
+    assert reality(replace(SNAPSHOT, bodies=bodies)) == []
+    real = msgspec.structs.replace(bodies["a"].robot, type="real", hardware="simulated")
+    bodies["a"] = msgspec.structs.replace(bodies["a"], robot=real)
+    assert reality(replace(SNAPSHOT, bodies=bodies)) == ["1 real on simulated hardware, 1 virtual"]
 
 
 def test_the_title_of_a_peer_is_text() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections import deque
 from collections.abc import Iterable
 from typing import Final, Literal, NamedTuple
@@ -18,6 +19,7 @@ import viser
 
 from intellwheels_schemas.messages import Entity, Map
 from intellwheels_viewer.drawings.label_layout import Picture
+from intellwheels_viewer.head_turn import REACH, Eye, HeadTurn, line_of_sight, position_of
 
 Mode = Literal["free", "plan", "follow", "first"]
 Vector = npt.NDArray[np.float64]
@@ -25,11 +27,9 @@ Vector = npt.NDArray[np.float64]
 FOV: Final = math.radians(42.0)
 PLAN_FOV: Final = math.radians(8.0)
 """Nearly parallel lines of sight: viser has no orthographic camera."""
-FIRST_FOV: Final = math.radians(70.0)
+SEATED: Final = Eye()
 STEEP: Final = math.radians(58.0)
 """Angle of the first view below the horizontal."""
-EYES: Final = 1.2
-"""Eye height of a person in a chair, in metres."""
 TALLEST: Final = 1.6
 """Height of the tallest body with its label, in metres."""
 MARGIN: Final = 0.06
@@ -111,11 +111,17 @@ def plan_of(points: Vector, aspect: float, covered: float = 0.0) -> View:
     return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect, covered)
 
 
-def first_person(entity: Entity) -> View:
-    """Return the view of a person in the chair."""
-    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
-    eyes = np.array([entity.x + 0.05 * cos, entity.y + 0.05 * sin, EYES])
-    return View(eyes, eyes + np.array([4.0 * cos, 4.0 * sin, -0.9]), FIRST_FOV)
+def first_person(entity: Entity, eye: Eye = SEATED, yaw: float = 0.0, pitch: float = 0.0) -> View:
+    """Return the view of a person in the chair.
+
+    Args:
+        entity: The body.
+        eye: Where in the body the eye is, and its field of view.
+        yaw: Turn of the head to the left, in radians.
+        pitch: Turn of the head upwards, in radians.
+    """
+    at = position_of(entity, eye)
+    return View(at, at + REACH * line_of_sight(entity.heading, yaw, pitch), eye.fov)
 
 
 def behind(entity: Entity) -> View:
@@ -170,9 +176,11 @@ class Camera:
         self._by_hand = False
         # Whether the page has reported one of our writes. Until then it reports its own default camera.
         self._settled = False
-        self._written: deque[Vector] = deque(maxlen=64)
+        self._written: deque[Vector] = deque(maxlen=256)
         self._offset: Vector | None = None
         self._target: Vector | None = None
+        self.eye = SEATED
+        self._head, self._heading = HeadTurn(), 0.0
 
         @client.camera.on_update
         async def _(_: viser.CameraHandle) -> None:
@@ -200,6 +208,7 @@ class Camera:
             self.mode = mode if entity is not None or mode in ("free", "plan") else "free"
             self._by_hand = False
             self._offset = self._target = None
+            self._head.straighten()
             if self.mode in ("free", "plan"):
                 self._fit()
             elif entity is not None:
@@ -219,7 +228,9 @@ class Camera:
         """Move the camera with the followed body, once per drawn tick."""
         with self._lock:
             if self.mode == "first":
-                self._write(first_person(entity), near=0.06)
+                self._head.come_back(time.monotonic())
+                self._heading = entity.heading
+                self._write(first_person(entity, self.eye, self._head.yaw, self._head.pitch), near=0.06)
             elif self.mode == "follow":
                 view = behind(entity)
                 if self._offset is None:
@@ -227,6 +238,11 @@ class Camera:
                 if self._target is None or not np.allclose(self._target, view.look_at, atol=1e-6):
                     self._target = view.look_at
                     self._write(View(view.look_at + self._offset, view.look_at, FOV))
+
+    @property
+    def turning(self) -> float:
+        """A number that changes while a head is turned, so that it comes back in a paused run too."""
+        return time.monotonic() if self.mode == "first" and self._head.is_turned else 0.0
 
     @property
     def picture(self) -> Picture | None:
@@ -263,7 +279,9 @@ class Camera:
         if self.mode == "follow":
             # The camera moves with the body, so the rest of the report is the user's orbit.
             self._offset = position - look_at
-        elif self.mode != "first":
+        elif self.mode == "first":
+            self._head.turn_to(look_at - position, self._heading, time.monotonic())
+        else:
             self._by_hand = True
             down = (look_at - position)[2] / max(float(np.linalg.norm(look_at - position)), 1e-9)
             if self.mode == "plan" and down > -0.999:  # an orbit, no longer a plan

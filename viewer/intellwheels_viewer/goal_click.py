@@ -12,7 +12,7 @@ import viser
 
 from intellwheels_schemas.messages import Goal, Map
 from intellwheels_viewer.clicks import FloorClicks
-from intellwheels_viewer.drawings.floor_plate import extent
+from intellwheels_viewer.drawings.rooms import extent
 
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot

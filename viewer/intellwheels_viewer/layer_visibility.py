@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from intellwheels_schemas.messages import Entity
     from intellwheels_viewer.snapshot import Snapshot
 
+SENSES: Final = frozenset({"all_wedges", "lidar", "trails"})
+"""The layers that a view from the chair does not show unless the user wants them there."""
 LAYERS_KEY: Final = "intellwheels.layers"
 
 
@@ -27,14 +29,16 @@ class LayerVisibility:
 
     Args:
         client: The browser.
+        dark: Whether it has the colours of the dark theme.
 
     Attributes:
         layers: The layers that are shown.
         hidden: The browser's own nodes by layer, for layers that were ever hidden.
     """
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
+    def __init__(self, client: viser.ClientHandle, *, dark: bool = False) -> None:
+        self._client, self._dark = client, dark
+        self._inside = False
         self.layers = layers_panel.from_json(_kept(client))
         self.hidden: dict[str, viser.FrameHandle] = {}
         # A recording has labels for a camera that is not this browser's, which has its own: see `own_drawings`.
@@ -62,24 +66,31 @@ class LayerVisibility:
     def draw_walls(self, snapshot: Snapshot, *, inside: bool, cut: frozenset[int] = frozenset()) -> None:
         """Draw walls at full height if this browser wants them or its camera is inside a room.
 
+        From inside, sensors and trails are hidden unless the user wants them.
+
         Args:
             snapshot: The run.
             inside: Whether the camera is inside a room.
             cut: Parts of walls that are cut away, see `hiding`.
         """
+        if inside != self._inside:
+            self._inside = inside
+            self._hide()
         whole = self.layers.full_walls or inside
         wanted = (snapshot.revision, whole, cut)
         if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole and not cut):
             return
         self._walls_of = wanted
         if self._walls is None:
-            self._walls = Walls(self._client.scene)
+            self._walls = Walls(self._client.scene, dark=self._dark)
         # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new map too.
         self._walls.show(cut_away(snapshot.floor, cut), None if whole else HALF_HEIGHT)
 
     def _hide(self) -> None:
         for layer, node in LAYERS.items():
             shown = bool(getattr(self.layers, layer))
+            if self._inside:
+                shown = shown and (self.layers.senses or layer not in SENSES)
             if not shown and layer not in self.hidden:
                 self.hidden[layer] = self._client.scene.add_frame(node, show_axes=False, visible=False)
             elif layer in self.hidden:

@@ -13,6 +13,7 @@ from intellwheels_viewer.drawings.labels import Labels, tags
 from intellwheels_viewer.drawings.wedges import Wedges
 
 if TYPE_CHECKING:
+    from intellwheels_schemas.messages import Entity
     from intellwheels_viewer.panels.layers_panel import Layers
     from intellwheels_viewer.snapshot import Snapshot
 
@@ -32,6 +33,9 @@ class OwnDrawings:
         client: The browser.
         picture: Returns its camera, or None while it is not known.
         now: A monotonic clock, in seconds.
+
+    Attributes:
+        seen: The bodies in sight, if the browser looks from a chair; None if it looks from elsewhere.
     """
 
     def __init__(
@@ -45,10 +49,12 @@ class OwnDrawings:
         self._labels, self._wedges = Labels(scene, LABELS), Wedges(scene, WEDGES)
         self._picture, self._now = picture, now
         self._next = -SELDOM
+        self.seen: list[Entity] | None = None
 
     def draw(self, snapshot: Snapshot, selected: str | None, layers: Layers) -> None:
         """Draw the wedges of the selection and, if it is time, the labels. Once per drawn tick."""
-        own = layers.wedges and not layers.all_wedges and selected is not None
+        hides = self.seen is not None and not layers.senses
+        own = layers.wedges and not layers.all_wedges and selected is not None and not hides
         self._frames[WEDGES].visible = own
         if own:
             self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, {selected or ""})
@@ -60,7 +66,8 @@ class OwnDrawings:
         now = self._now()
         if not layers.labels or now < self._next or (picture := self._picture()) is None:
             return
-        self._next = now + (OFTEN if len(snapshot.entities) <= FEW else SELDOM)
+        entities = snapshot.entities if self.seen is None else self.seen
+        self._next = now + (OFTEN if len(entities) <= FEW else SELDOM)
         wanted = () if selected is None else (selected,)
-        wishes = tags(snapshot.bodies, snapshot.entities, snapshot.utterances, snapshot.time, wanted)
+        wishes = tags(snapshot.bodies, entities, snapshot.utterances, snapshot.time, wanted)
         self._labels.show(wishes, picture)

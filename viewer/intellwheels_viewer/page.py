@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import viser
@@ -13,11 +14,13 @@ from intellwheels_schemas.messages import OperatorSay, Result
 from intellwheels_viewer.cameras import Camera, Mode
 from intellwheels_viewer.control_tabs import ControlCalls, ControlTabs
 from intellwheels_viewer.drag_move import DragMove
-from intellwheels_viewer.drawings import wedges
+from intellwheels_viewer.drawings import real_badge, wedges
 from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.goal_click import GoalClick
+from intellwheels_viewer.head_turn import eye_of
 from intellwheels_viewer.held_ghost import HeldGhost
+from intellwheels_viewer.inside_view import InsideView
 from intellwheels_viewer.layer_visibility import LayerVisibility
 from intellwheels_viewer.limited_worlds import LimitedWorlds, Worlds
 from intellwheels_viewer.own_drawings import OwnDrawings
@@ -88,7 +91,7 @@ class Page:
         self._visit = self._rights = visit
         self._network = network = LimitedWorlds(network, lambda: self._visit)
         # First, because it waits for the browser.
-        self._layers = LayerVisibility(client)
+        self._layers = LayerVisibility(client, dark=dark)
         theme = stored_theme(client)
         self._requests = RequestQueue(network, self._refused)
         self._driving = Driving(network, self._requests)
@@ -102,6 +105,7 @@ class Page:
         self._drag_move = DragMove(client, self._requests, self._held_ghost, colours, self._undo)
         self._goal_click = GoalClick(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
+        self._inside = InsideView(client.scene, dark=dark)
         self._notice = Notice(client.scene)
         self._framed = -1
         self.camera = Camera(client)
@@ -126,7 +130,7 @@ class Page:
     @property
     def view_state(self) -> tuple[object, ...]:
         """The choices of this browser that affect the drawing; a change redraws even a paused run."""
-        return self.selected, self.camera.mode, self._layers.layers
+        return self.selected, self.camera.mode, self._layers.layers, self.camera.turning
 
     @property
     def shows_all_wedges(self) -> bool:
@@ -152,7 +156,11 @@ class Page:
         entity = None if selected is None else snapshot.entity(selected)
         body = None if selected is None else snapshot.bodies.get(selected)
         with self._client.atomic():
-            self._ring.show(None if body is None else body.robot, entity)
+            layers, inside = self._layers.layers, entity if self.camera.mode == "first" else None
+            # The own ring would be in the way of who looks down.
+            self._ring.show(None if body is None or inside is not None else body.robot, entity)
+            if body is not None:
+                self.camera.eye = eye_of(body.robot, layers.eye_height, layers.field_of_view)
             if entity is not None:
                 self.camera.follow(entity)
             if snapshot.floor is not None and snapshot.revision != self._framed:
@@ -161,8 +169,9 @@ class Page:
             cut: frozenset[int] = frozenset()
             if self.camera.mode == "follow" and entity is not None and (picture := self.camera.picture) is not None:
                 cut = self._layers.hiding(snapshot, picture.position, entity)
-            self._layers.draw_walls(snapshot, inside=self.camera.mode == "first", cut=cut)
-            self._own.draw(snapshot, selected, self._layers.layers)
+            self._layers.draw_walls(snapshot, inside=inside is not None, cut=cut)
+            self._own.seen = self._inside.show(snapshot, inside, self.camera.eye, full_walls=layers.full_walls)
+            self._own.draw(snapshot, selected, layers)
 
     def panels(self, snapshot: Snapshot) -> None:
         """Update the panels. Four or five times a second."""
@@ -241,7 +250,7 @@ class Page:
                 gui,
                 self._layers.layers,
                 self._layers.choose,
-                legend=legend_html(wedges.legend()),
+                legend=legend_html(wedges.legend(), real_badge.legend()),
             )
         self._controls = ControlTabs(
             gui,
@@ -276,12 +285,9 @@ class Page:
         add("Stop placing", "escape", lambda: self._choose(None))
         add("Undo the last move", "Z", self._undo_newest)
         for label, mode in MODES.items():
-            add(f"Camera: {label[:-4].lower()}", label[-2], self._looker(mode))
+            add(f"Camera: {label[:-4].lower()}", label[-2], partial(self.look, mode))
         for digit in range(1, 10):
             add(f"Select agent {digit}", str(digit), self._selector(digit - 1))
-
-    def _looker(self, mode: Mode) -> Callable[[], None]:
-        return lambda: self.look(mode)
 
     def _selector(self, index: int) -> Callable[[], None]:
         def call() -> None:

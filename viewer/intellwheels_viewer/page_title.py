@@ -1,4 +1,4 @@
-"""The title of the browser tab: the map and the world, so that tabs can be told apart."""
+"""The title of the browser tab: the map, what of it is real, and the world, so that tabs can be told apart."""
 
 from __future__ import annotations
 
@@ -19,9 +19,21 @@ def title_of(snapshot: Snapshot) -> str:
     parts = []
     if snapshot.floor is not None and snapshot.phase in ("live", "silent", "gone"):
         parts.append(snapshot.floor.title or snapshot.floor.name)
+        parts += reality(snapshot)
     if snapshot.world:
         parts.append(snapshot.world)
     return " \u2013 ".join([*parts, APPLICATION])
+
+
+def reality(snapshot: Snapshot) -> list[str]:
+    """Return how many chairs are real and how many virtual, such as "2 real, 2 virtual"; nothing if none is real."""
+    chairs = [body.robot for body in snapshot.bodies.values() if body.robot.kind == "wheelchair"]
+    real = [robot for robot in chairs if robot.type == "real"]
+    if not real:
+        return []
+    simulated = " on simulated hardware" if all(robot.hardware == "simulated" for robot in real) else ""
+    virtual = len(chairs) - len(real)
+    return [f"{len(real)} real{simulated}" + (f", {virtual} virtual" if virtual else "")]
 
 
 def script(title: str) -> str:

@@ -66,7 +66,7 @@ class Stage:
         for name in (*LAYERS.values(), "/labels"):
             scene.add_frame(name, show_axes=False)
         self.colours = Colours()
-        self._floor, self._walls = Floor(scene), Walls(scene)
+        self._floor, self._walls = Floor(scene, dark=dark), Walls(scene, dark=dark)
         self.bodies = Bodies(scene)
         self._wedges, self._lidars = Wedges(scene), Lidars(scene)
         self._trails, self._goals = Trails(scene), Goals(scene)

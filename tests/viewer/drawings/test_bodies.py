@@ -14,7 +14,7 @@ from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.bodies import Bodies, grouped, pose_arrays, tints
 from intellwheels_viewer.drawings.body_documents import BodyDocuments
 from intellwheels_viewer.palette import Colours
-from tests.viewer.drawings.cast import body, entity, node
+from tests.viewer.drawings.cast import body, entity, node, triangles
 
 CAST: dict[str, Body] = {
     "a": body("rear-wheel"),
@@ -102,8 +102,7 @@ def test_a_crowd_is_drawn_with_few_triangles(scene: viser.SceneApi) -> None:
     many = {f"a{index}": body("rear-wheel") for index in range(50)}
     bodies = Bodies(scene)
     bodies.show(many, [entity(name) for name in many], Colours())
-    faces = [len(node(scene, f"{LOOK}/{part}").faces) for part in ("paint", "dark")]
-    assert sum(faces) <= 600
+    assert sum(triangles(node(scene, f"{LOOK}/{part}")) for part in ("paint", "trim")) <= 600
     assert len(bodies.names[f"{LOOK}/paint"]) == 50
 
 
@@ -117,9 +116,9 @@ def test_a_click_names_the_body_also_when_it_was_asked_for_before_there_were_any
     bodies, picked = Bodies(scene), list[str]()
     bodies.on_pick(lambda name, event: picked.append(name))
     bodies.show(CAST, [entity("b"), entity("a")], Colours())
-    fire(node(scene, f"{LOOK}/dark"), "click", instance_index=1)
+    fire(node(scene, f"{LOOK}/trim"), "click", instance_index=1)
     fire(node(scene, "/bodies/tint"), "click", instance_index=0)
-    fire(node(scene, f"{LOOK}/dark"), "click", instance_index=7)
+    fire(node(scene, f"{LOOK}/trim"), "click", instance_index=7)
     assert picked == ["a", "b"]
 
 

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
-from intellwheels_viewer.drawings.body_documents import BodyDocuments
+import msgspec
+
+from intellwheels_viewer.drawings.body_documents import BodyDocuments, is_occupied
 from tests.viewer.drawings.cast import body
 
 
@@ -21,3 +23,12 @@ def test_a_form_is_found_once_for_each_document_and_anew_for_another() -> None:
 
 def test_an_anchored_body_does_not_go_about() -> None:
     assert not BodyDocuments().of({"door": body("door")}, crowd=False)["door"].is_mobile
+
+
+def test_somebody_sits_in_a_chair_that_a_mind_drives_and_in_a_real_one() -> None:
+    chair = body("rear-wheel")
+    driven = msgspec.structs.replace(chair, roles=("both",))
+    assert [is_occupied(each) for each in (chair, driven, body("rear-wheel", type="real"))] == [False, True, True]
+    assert not is_occupied(msgspec.structs.replace(body("person"), roles=("both",)))
+    made = BodyDocuments().of({"a": chair, "b": driven}, crowd=False)
+    assert made["a"].look != made["b"].look

@@ -3,7 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from intellwheels_viewer.drawings.chair_look import chair, frame_of
+from intellwheels_viewer.drawings.chair_frame import frame_of
+from intellwheels_viewer.drawings.chair_look import chair
+from intellwheels_viewer.drawings.occupant import SKIN
+from intellwheels_viewer.drawings.real_badge import LETTERS, PLATE
 from intellwheels_viewer.drawings.solids import Solid
 from tests.viewer.drawings.cast import robot
 
@@ -57,3 +60,18 @@ def test_a_chair_of_one_box_has_a_seat_too() -> None:
     assert frame.hull.rear == pytest.approx(-0.33)
     assert 0.3 < frame.seat < 0.6
     assert frame.front < frame.hull.front
+
+
+@pytest.mark.parametrize("name", ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"])
+def test_an_occupied_chair_has_a_person_and_few_more_triangles(name: str) -> None:
+    empty, occupied = chair(robot(name)), chair(robot(name), occupied=True)
+    assert SKIN in occupied.trim
+    assert SKIN not in empty.trim
+    assert empty.triangles < occupied.triangles <= 5000
+    assert chair(robot(name), crowd=True, occupied=True).triangles <= 600
+
+
+def test_a_real_chair_has_its_plates_and_a_white_band() -> None:
+    real, virtual = chair(robot("intellwheels", type="real")), chair(robot("intellwheels"))
+    assert {PLATE, LETTERS} <= real.trim.keys()
+    assert not {PLATE, LETTERS} & virtual.trim.keys()

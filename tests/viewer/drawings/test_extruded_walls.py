@@ -5,9 +5,10 @@ import viser
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Corner, Map, Wall
-from intellwheels_viewer.drawings.extruded_walls import Walls, extruded, obstacles
+from intellwheels_viewer.drawings.building_colours import DAY
+from intellwheels_viewer.drawings.extruded_walls import Walls, bands, extruded, obstacles, shaded
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
-from tests.viewer.drawings.cast import node
+from tests.viewer.drawings.cast import node, triangles
 
 ROOM = library.floor("room")
 WARD = library.floor("ward")
@@ -46,19 +47,57 @@ def test_every_obstacle_of_the_ward_is_drawn_at_its_own_height() -> None:
     assert max(float(each.vertices[:, 2].max()) for each in cut.values()) == pytest.approx(1.35)
 
 
-def test_another_map_hides_the_colours_it_does_not_have(scene: viser.SceneApi) -> None:
+def test_a_wall_has_a_skirting_board_a_dado_and_a_rail_and_is_darker_at_the_floor() -> None:
+    made = bands(0.0, 2.475, DAY, plain=False)
+    assert (made[0][0], made[-1][1]) == (0.0, 2.475)
+    assert [upper for _, upper, *_ in made[:-1]] == [lower for lower, *_ in made[1:]]
+    assert {DAY.skirting, DAY.dado, DAY.rail, DAY.wall} <= {rgb for band in made for rgb in band[2:]}
+    assert all(sum(low) <= sum(high) for _, upper, low, high in made if upper < 0.5)
+    assert bands(0.0, 0.3, DAY, plain=False)[-1][1] == 0.3
+    assert len(bands(2.1, 2.5, DAY, plain=False)) == len(bands(0.0, 2.5, DAY, plain=True)) == 1
+
+
+@pytest.mark.parametrize("height", [None, HALF_HEIGHT])
+def test_the_surface_of_the_walls_is_where_the_walls_are(height: float | None) -> None:
+    surface = shaded(WARD, height, DAY)
+    sides, caps = extruded(WARD, height)
+    whole = sides + caps
+    assert surface.solid.vertices.min(axis=0) == pytest.approx(whole.vertices.min(axis=0))
+    assert surface.solid.vertices.max(axis=0) == pytest.approx(whole.vertices.max(axis=0))
+    assert surface.colours is not None
+    assert len(surface.colours) == len(surface.solid.vertices)
+
+
+def test_another_map_hides_what_it_does_not_have(scene: viser.SceneApi) -> None:
     walls = Walls(scene)
     walls.show(WARD)
-    names = [name for name in scene._handle_from_node_name if name.startswith("/obstacles/")]
-    assert len(names) > 4
+    assert triangles(node(scene, "/obstacles")) > 1000
     walls.show(floor(line(height=2.5)))
-    assert not any(node(scene, name).visible for name in names)
+    assert not node(scene, "/obstacles").visible
     assert node(scene, "/walls/sides").visible
 
 
-def test_whole_walls_take_the_place_of_cut_ones_under_the_same_name(scene: viser.SceneApi) -> None:
+def test_whole_walls_take_the_place_of_cut_ones_under_the_same_name_and_have_signs(scene: viser.SceneApi) -> None:
     walls = Walls(scene)
     walls.show(ROOM)
-    assert float(node(scene, "/walls/caps").vertices[:, 2].max()) == pytest.approx(HALF_HEIGHT)
+    cut = node(scene, "/walls/sides").glb_data
+    assert node(scene, "/walls/signs") is None
     walls.show(ROOM, None)
-    assert float(node(scene, "/walls/caps").vertices[:, 2].max()) == pytest.approx(2.5)
+    assert node(scene, "/walls/sides").glb_data != cut
+    assert node(scene, "/walls/signs").visible
+    walls.show(ROOM)
+    assert node(scene, "/walls/sides").glb_data == cut
+    assert not node(scene, "/walls/signs").visible
+
+
+def test_by_night_they_have_other_colours(scene: viser.SceneApi) -> None:
+    Walls(scene).show(ROOM)
+    by_day = node(scene, "/walls/sides").glb_data
+    Walls(scene, dark=True).show(ROOM)
+    assert node(scene, "/walls/sides").glb_data != by_day
+
+
+def test_a_huge_map_has_plain_walls_few_triangles_and_no_windows() -> None:
+    teeth = tuple(Corner(x=0.01 * index, y=3.0 + 0.2 * (index % 2)) for index in range(5000))
+    huge = floor(Wall(corner=(*teeth, Corner(x=50.0, y=0.0), Corner(x=0.0, y=0.0))))
+    assert len(shaded(huge, None, DAY).solid.faces) < 8 * 5000

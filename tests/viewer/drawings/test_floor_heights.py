@@ -9,7 +9,21 @@ from intellwheels_viewer.drawings import floor_heights
 FROM_BELOW = tuple(
     getattr(floor_heights, name)
     for name in (
-        ["FLOOR", "ZONE", "GRID", "DOORWAY", "LETTERS", "TRAIL", "GOAL", "RING", "FOOTPRINT", "OUTLINE", "WEDGE", "ARC"]
+        [
+            "FLOOR",
+            "ZONE",
+            "PAINT",
+            "DOORWAY",
+            "SHADE",
+            "LETTERS",
+            "TRAIL",
+            "GOAL",
+            "RING",
+            "FOOTPRINT",
+            "OUTLINE",
+            "WEDGE",
+            "ARC",
+        ]
     )
 )
 

@@ -17,6 +17,13 @@ def test_the_frames_outer_edge_is_the_bodys_own_and_the_heading_mark_is_before_i
     assert tip[1] == pytest.approx(0.0)
 
 
+def test_a_dashed_frame_has_gaps_and_the_same_edge() -> None:
+    whole, dashed = outline(HULL), outline(HULL, dashed=True)
+    assert dashed.vertices.min(axis=0) == pytest.approx(whole.vertices.min(axis=0))
+    assert dashed.vertices.max(axis=0) == pytest.approx(whole.vertices.max(axis=0))
+    assert len(dashed.faces) > len(whole.faces) + 20
+
+
 def test_the_centre_of_movement_is_marked_at_the_origin() -> None:
     assert centre().vertices.mean(axis=0)[:2] == pytest.approx([0.0, 0.0], abs=0.01)
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.label_layout import Picture
-from intellwheels_viewer.drawings.labels import Labels, cut, name_of, tags
+from intellwheels_viewer.drawings.labels import REAL, Labels, cut, name_of, tags
 from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.drawings.cast import body, entity, node
 
@@ -30,6 +30,12 @@ def test_what_goes_has_a_label_above_it_and_furniture_has_not() -> None:
     assert set(shown) == {"a"}
     assert shown["a"].z > 1.3
     assert shown["a"].x == 1.0
+
+
+def test_the_name_of_a_real_chair_says_so() -> None:
+    cast = {"a": body("rear-wheel", type="real"), "b": body("rear-wheel")}
+    shown = tags(cast, [entity("a"), entity("b")], (), 0.0, ())
+    assert (shown["a"].text, shown["b"].text) == (f"a  {REAL}", "b")
 
 
 def test_words_stand_over_the_name_for_three_seconds() -> None:

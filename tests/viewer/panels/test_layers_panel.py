@@ -16,7 +16,9 @@ def test_layers_come_back_from_a_browser_as_they_went() -> None:
     assert from_json(layers.to_json()) == layers
 
 
-@pytest.mark.parametrize("text", [None, "", "[]", '{"wedges":"no"}', "{", '{"wedges":null}', "\ud800"])
+@pytest.mark.parametrize(
+    "text", [None, "", "[]", '{"wedges":"no"}', "{", '{"wedges":null}', '{"eye_height":99}', "\ud800"]
+)
 def test_what_cannot_be_read_gives_the_usual_layers(text: str | None) -> None:
     assert from_json(text) == Layers()
 
@@ -38,5 +40,15 @@ def test_a_box_changes_its_layer_only(gui: viser.GuiApi, calls: Calls) -> None:
 
 def test_boxes_are_ticked_as_the_layers_are(gui: viser.GuiApi, calls: Calls) -> None:
     panel = LayersPanel(gui, Layers(goals=False), calls.to("layers"))
-    assert {name: box.value for name, box in panel._boxes.items()} == asdict(Layers(goals=False))
+    values = {name: box.value for name, box in (panel._boxes | panel._numbers).items()}
+    assert values == asdict(Layers(goals=False))
     assert calls == []
+
+
+def test_a_field_changes_its_number_and_a_page_can_send_no_other(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = LayersPanel(gui, Layers(), calls.to("layers"))
+    enter(panel._numbers["eye_height"], 1.4)
+    assert calls == [("layers", Layers(eye_height=1.4))]
+    enter(panel._numbers["eye_height"], 1e9)
+    enter(panel._numbers["field_of_view"], "wide")
+    assert len(calls) == 1

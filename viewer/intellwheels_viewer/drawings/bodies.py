@@ -17,12 +17,14 @@ from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings import footprint_outlines
 from intellwheels_viewer.drawings.body_documents import BodyDocument, BodyDocuments
-from intellwheels_viewer.drawings.body_look import CROWD, BodyLook, Extent
+from intellwheels_viewer.drawings.body_look import CROWD, BodyLook
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.drawings.glb import painted
 from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternions
 from intellwheels_viewer.drawings.looks import model_of
 from intellwheels_viewer.drawings.selection import Selection
-from intellwheels_viewer.drawings.solids import Array, Solid, box
+from intellwheels_viewer.drawings.solids import Array, box, join
+from intellwheels_viewer.drawings.walking_legs import WalkingLegs
 
 FADED: Final = 0.35
 """Opacity of stale bodies."""
@@ -85,49 +87,53 @@ class _Look:
     """The nodes of one look."""
 
     def __init__(
-        self, scene: viser.SceneApi, name: str, model: BodyLook, hull: Extent, made: Callable[[InstanceBatch], None]
+        self,
+        scene: viser.SceneApi,
+        name: str,
+        model: BodyLook,
+        document: BodyDocument,
+        made: Callable[[InstanceBatch], None],
     ) -> None:
-        self.model, self.hull = model, hull
+        self.model = model
         self._scene, self._name, self._made = scene, name, made
-        self._fresh = self._batches("", None)
-        self._stale: list[tuple[InstanceBatch, palette.RGB | None]] = []
-        self._outline = InstanceBatch(scene, f"{name}/outline", footprint_outlines.outline(hull))
+        self._fresh = self._batches()
+        self._stale: list[InstanceBatch] = []
+        self._legs = None if model.leg is None else WalkingLegs(scene, f"{name}/legs", model.leg, made)
+        dashed = document.is_mobile and document.robot.type != "real"
+        self._outline = InstanceBatch(
+            scene, f"{name}/outline", footprint_outlines.outline(document.hull, dashed=dashed)
+        )
 
-    def show(self, fresh: PoseArrays, stale: PoseArrays, lines: PoseArrays) -> None:
+    def show(self, fresh: PoseArrays, stale: PoseArrays, lines: PoseArrays, walkers: Sequence[Entity]) -> None:
         _assign(self._fresh, fresh)
         if stale.names and not self._stale:
-            self._stale = self._batches("/stale", FADED)
+            self._stale = self._faded()
         _assign(self._stale, stale)
+        if self._legs is not None:
+            self._legs.show(walkers)
         self._outline.show(lines.positions, quaternions(lines.headings), lines.colours, names=lines.names)
 
-    def _batches(self, suffix: str, opacity: float | None) -> list[tuple[InstanceBatch, palette.RGB | None]]:
-        model = self.model
-        solids: tuple[tuple[str, Solid, palette.RGB | None], ...] = (
-            ("paint", model.paint, None),
-            ("dark", model.dark, model.dark_rgb),
-            ("light", model.light, model.light_rgb),
-        )
+    def _batches(self) -> list[InstanceBatch]:
+        """Return a node in the colour of each agent, and one of all other colours."""
+        paint, trim = self.model.paint, painted(self.model.trim)
         return [
-            (
-                InstanceBatch(
-                    self._scene,
-                    f"{self._name}{suffix}/{part}",
-                    shape,
-                    opacity=opacity,
-                    shadow=opacity is None,
-                    made=self._made,
-                ),
-                rgb,
-            )
-            for part, shape, rgb in solids
+            InstanceBatch(self._scene, f"{self._name}/{part}", shape, shadow=True, made=self._made)
+            for part, shape in (("paint", paint), ("trim", trim))
+        ]
+
+    def _faded(self) -> list[InstanceBatch]:
+        """Return the same for stale bodies. Only simple solids can be faded, so all is in the colour of the agent."""
+        paint, trim = self.model.paint, join(self.model.trim.values())
+        return [
+            InstanceBatch(self._scene, f"{self._name}/stale/{part}", shape, opacity=FADED, made=self._made)
+            for part, shape in (("paint", paint), ("trim", trim))
         ]
 
 
-def _assign(batches: Sequence[tuple[InstanceBatch, palette.RGB | None]], placed: PoseArrays) -> None:
+def _assign(batches: Sequence[InstanceBatch], placed: PoseArrays) -> None:
     turns = quaternions(placed.headings)
-    for batch, rgb in batches:
-        colours = placed.colours if rgb is None else np.tile(np.array(rgb, np.float32), (len(placed.names), 1))
-        batch.show(placed.positions, turns, colours, names=placed.names)
+    for batch in batches:
+        batch.show(placed.positions, turns, placed.colours, names=placed.names)
 
 
 class Bodies:
@@ -197,10 +203,10 @@ class Bodies:
         groups = grouped(documents, entities)
         for number, group in groups.items():
             look = self._look(number, documents[group[0].name], crowd=crowd)
-            look.show(*self._poses(group, documents, colours, stale))
+            look.show(*self._poses(group, documents, colours, stale), group)
         nobody = pose_arrays((), colours.rgb)
         for number in self._looks.keys() - groups.keys():
-            self._looks[number].show(nobody, nobody, nobody)
+            self._looks[number].show(nobody, nobody, nobody, ())
         self._show_floor(documents, entities, colours)
         self._show_stripes(groups, colours)
         chosen = next((entity for entity in entities if entity.name == selected), None)
@@ -210,9 +216,9 @@ class Bodies:
     def _look(self, number: int, document: BodyDocument, *, crowd: bool) -> _Look:
         look = self._looks.get(number)
         if look is None:
-            model = model_of(document.robot, crowd=crowd, cut=self._cut)
+            model = model_of(document.robot, crowd=crowd, cut=self._cut, occupied=document.occupied)
             name = f"{self._name}/{len(self._looks)}-{document.robot.kind}"
-            look = self._looks[number] = _Look(self._scene, name, model, document.hull, self._listen)
+            look = self._looks[number] = _Look(self._scene, name, model, document, self._listen)
         return look
 
     @staticmethod

@@ -19,13 +19,15 @@ class BodyDocument:
         look: A number that equal looks share.
         robot: The document.
         hull: The box around its parts.
-        goes: Whether it can drive by itself.
+        is_mobile: Whether it can drive by itself.
+        occupied: Whether somebody sits in it.
     """
 
     look: int
     robot: Robot
     hull: Extent
     is_mobile: bool
+    occupied: bool
 
 
 class BodyDocuments:
@@ -41,12 +43,17 @@ class BodyDocuments:
         for name, body in bodies.items():
             key = (name, crowd)
             before = self._known.get(key)
-            known[key] = (
-                before if before is not None and before[0] is body else (body, self._document(body.robot, crowd))
-            )
+            known[key] = before if before is not None and before[0] is body else (body, self._document(body, crowd))
         self._known = known
         return {name: document for (name, _), (_, document) in known.items()}
 
-    def _document(self, robot: Robot, crowd: bool) -> BodyDocument:
-        look = self._looks.setdefault(shape_of(robot, crowd=crowd), len(self._looks))
-        return BodyDocument(look, robot, extent(parts_of(robot)), is_mobile(robot))
+    def _document(self, body: Body, crowd: bool) -> BodyDocument:
+        robot, occupied = body.robot, is_occupied(body)
+        look = self._looks.setdefault(shape_of(robot, crowd=crowd, occupied=occupied), len(self._looks))
+        return BodyDocument(look, robot, extent(parts_of(robot)), is_mobile(robot), occupied)
+
+
+def is_occupied(body: Body) -> bool:
+    """Return whether somebody sits in a body: it is a chair with a mind, or a real one."""
+    driven = body.robot.type == "real" or any(role in ("mind", "both") for role in body.roles)
+    return body.robot.kind == "wheelchair" and is_mobile(body.robot) and driven

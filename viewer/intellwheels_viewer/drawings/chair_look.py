@@ -7,73 +7,48 @@ looks free in the picture is free in the simulation. The painted surfaces are vi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from intellwheels_schemas.messages import Robot
-from intellwheels_schemas.rules import parts_of
-from intellwheels_viewer.drawings.body_look import BodyLook, Extent, extent
+from intellwheels_viewer.drawings import real_badge
+from intellwheels_viewer.drawings.body_look import BodyLook
+from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height, frame_of
+from intellwheels_viewer.drawings.furniture import Painted, merged
+from intellwheels_viewer.drawings.occupant import occupant
 from intellwheels_viewer.drawings.solids import Point, Solid, ball, both, box, hoop, join, loft, pipe, rod, slab
 
 _LEAN = math.radians(9.0)
 
 
-@dataclass(frozen=True)
-class Frame:
-    """The main dimensions of a chair, in metres in the body frame.
+def chair(robot: Robot, *, crowd: bool = False, occupied: bool = False) -> BodyLook:
+    """Return the look of a wheelchair; in a crowd it has at most 600 triangles.
 
-    Attributes:
-        hull: The box around its parts.
-        rear, front: Of the seat.
-        wide: The seat's width.
-        seat: Height of the cushion's upper face.
-        wheel: Radius of the drive wheels.
-        side: y of the middle of the left drive wheel.
+    Args:
+        robot: The document. A real chair has a white band and plates that say so.
+        crowd: Whether it is one of many.
+        occupied: Whether somebody sits in it.
     """
-
-    hull: Extent
-    rear: float
-    front: float
-    wide: float
-    seat: float
-    wheel: float
-    side: float
-
-    @property
-    def tyre(self) -> float:
-        """The thickness of a drive wheel."""
-        return 0.3 * self.wheel if self.wheel < 0.2 else 0.05
-
-    @property
-    def back(self) -> float:
-        """The height of the back's upper edge."""
-        return self.seat + 0.66 * (self.hull.top - self.seat)
-
-
-def frame_of(robot: Robot) -> Frame:
-    """Return the dimensions of a chair. Its seat is its highest part that does not touch the floor."""
-    parts = parts_of(robot)
-    hull = extent(parts)
-    raised = [part for part in parts if part.bottom > 0.0]
-    wheel = min(robot.wheel_diameter, hull.top) / 2
-    side = min(robot.track / 2, hull.left - 0.02)
-    if not raised:
-        rear, front = hull.rear, hull.rear + 0.68 * hull.length
-        return Frame(hull, rear, front, 0.92 * hull.width, 0.4 * hull.top, wheel, side)
-    seat = max(raised, key=lambda part: part.top)
-    rear, front = seat.x - seat.length / 2, seat.x + seat.length / 2
-    return Frame(hull, rear, front, seat.width, max(seat.bottom, 0.3 * hull.top), wheel, side)
-
-
-def chair(robot: Robot, *, crowd: bool = False) -> BodyLook:
-    """Return the look of a wheelchair; in a crowd it has at most 600 triangles."""
     frame = frame_of(robot)
+    shirt, person = occupant(frame, crowd=crowd) if occupied else (Solid(), {})
+    more = merged(person, _finish(frame) if robot.type == "real" else {})
     stripe = (frame.rear + 0.42 * (frame.front - frame.rear), frame.seat + 0.012, 0.6 * frame.wide)
     if crowd:
-        return BodyLook(_plain_paint(frame), _plain_dark(frame), stripe=stripe)
-    paint = join([_fairing(frame), _tray(frame), _shell(frame), _headrest(frame), _skirts(frame)])
+        return BodyLook(_plain_paint(frame) + shirt, _plain_dark(frame), more=more, stripe=stripe)
+    paint = join([_fairing(frame), _tray(frame), _shell(frame), _headrest(frame), _skirts(frame), shirt])
     dark = join([_base(frame), _cushions(frame), _tyres(frame), _castors(frame), _arms(frame), _plates(frame)])
     light = join([_spokes(frame), _forks(frame), _hangers(frame), _posts(frame)])
-    return BodyLook(paint, dark, light, stripe=stripe)
+    return BodyLook(paint, dark, light, more=more, stripe=stripe)
+
+
+def _finish(frame: Frame) -> Painted:
+    """Return what only a real chair has: a white band around its back and its side boards, and its plates."""
+    x = frame.rear + 0.065 + math.tan(_LEAN) * (frame.back - frame.seat)
+    flat = real_badge.upright(x - 0.034, (frame.seat + frame.back) / 2, 0.8 * min(frame.wide, 0.46))
+    plates = {rgb: each.leaning(_LEAN, x, frame.seat) for rgb, each in flat.items()}
+    band = _upright(frame, frame.wide - 0.06, frame.back - 0.10, frame.back - 0.04, 0.075, 0.065)
+    start, end = arm_ends(frame)
+    y, z = frame.wide / 2 - 0.02, frame.seat - 0.005
+    side = both(box(start + 0.03, end - 0.04, y, y + 0.004, z, z + 0.035))
+    return merged(plates, {real_badge.LETTERS: band + side}, real_badge.on_floor(frame.hull))
 
 
 # ---------------------------------------------------------------- seat
@@ -119,8 +94,8 @@ def _headrest(frame: Frame) -> Solid:
 
 def _arms(frame: Frame) -> Solid:
     """Return the armrests' pads and the joystick on the right one."""
-    y, z = frame.wide / 2 - 0.035, _arm_height(frame)
-    start, end = _arm_ends(frame)
+    y, z = frame.wide / 2 - 0.035, arm_height(frame)
+    start, end = arm_ends(frame)
     pads = both(slab((start + end) / 2, y, end - start, 0.07, z - 0.035, z, radius=0.03, bevel=0.012))
     tip = end + 0.02
     joystick = [
@@ -131,18 +106,10 @@ def _arms(frame: Frame) -> Solid:
     return join([pads, *joystick])
 
 
-def _arm_height(frame: Frame) -> float:
-    return frame.seat + 0.28 * (frame.hull.top - frame.seat)
-
-
-def _arm_ends(frame: Frame) -> tuple[float, float]:
-    return frame.rear + 0.17, frame.rear + 0.17 + 0.55 * (frame.front - frame.rear)
-
-
 def _skirts(frame: Frame) -> Solid:
     """Return the painted boards between seat and armrests, which keep clothes away from the wheels."""
-    start, end = _arm_ends(frame)
-    y, top = frame.wide / 2, _arm_height(frame) - 0.075
+    start, end = arm_ends(frame)
+    y, top = frame.wide / 2, arm_height(frame) - 0.075
     bottom = frame.seat - 0.09
     side = [(start + 0.02, bottom), (end - 0.03, bottom), (end - 0.09, top), (start + 0.02, top)]
     rings: list[list[Point]] = [[(x, y - depth, z) for x, z in side] for depth in (0.045, 0.020)]
@@ -151,8 +118,8 @@ def _skirts(frame: Frame) -> Solid:
 
 def _posts(frame: Frame) -> Solid:
     """Return the metal that holds armrests, headrest and push handles."""
-    y, z = frame.wide / 2 - 0.035, _arm_height(frame) - 0.03
-    start, end = _arm_ends(frame)
+    y, z = frame.wide / 2 - 0.035, arm_height(frame) - 0.03
+    start, end = arm_ends(frame)
     posts = [both(rod((x, y, frame.seat - 0.08), (x, y, z), 0.012)) for x in (start + 0.06, end - 0.06)]
     head = frame.rear + 0.075
     stem = rod((head, 0.0, frame.back - 0.12), (head, 0.0, frame.hull.top - 0.1), 0.014)
@@ -289,5 +256,5 @@ def _plain_dark(frame: Frame) -> Solid:
     )
     front = frame.hull.front
     plate = box(front - 0.2, front, 0.03, 0.19, 0.10, 0.125)
-    arm = box(*_arm_ends(frame), frame.wide / 2 - 0.07, frame.wide / 2, _arm_height(frame) - 0.03, _arm_height(frame))
+    arm = box(*arm_ends(frame), frame.wide / 2 - 0.07, frame.wide / 2, arm_height(frame) - 0.03, arm_height(frame))
     return join([both(join([wheel, *small, plate, arm])), cushion])

@@ -1,32 +1,45 @@
 """The walls and obstacles of a map, extruded. Walls have dark caps, so that they stand out when seen from above.
 
-By default walls are cut at half height to show what is behind them. A browser that shows full walls draws them under
-the same names in its own scene.
+A wall has a skirting board, a dado and a rail, as colours: nothing that could be driven against is added. It is
+darker at the floor and under the ceiling. By default walls are cut at half height to show what is behind them. A
+browser that shows full walls draws them under the same names in its own scene.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import msgspec
+import numpy as np
 import viser
 
 from intellwheels_maps.check import wall_pieces
-from intellwheels_schemas.agent_colours import css
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer import palette
+from intellwheels_viewer.drawings.building_colours import BuildingColours, colours_of, dimmed
+from intellwheels_viewer.drawings.door_frames import fittings
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
-from intellwheels_viewer.drawings.furniture import Painted, furniture
-from intellwheels_viewer.drawings.polygons import Point
-from intellwheels_viewer.drawings.solids import Solid, join, prism
+from intellwheels_viewer.drawings.furniture import Painted, furniture, merged
+from intellwheels_viewer.drawings.glb import Surface, glb, painted
+from intellwheels_viewer.drawings.polygons import Point, anticlockwise
+from intellwheels_viewer.drawings.rooms import DETAILED, is_outdoors
+from intellwheels_viewer.drawings.signs import signs
+from intellwheels_viewer.drawings.solids import Solid, join, prism, solid
+from intellwheels_viewer.drawings.windows import windows
 
 _CAP: Final = 0.025
 TALLER: Final = 0.25
 """Metres by which a cut obstacle is taller than cut walls."""
+SKIRTING: Final = 0.09
+DADO: Final = (0.90, 0.95)
+"""Heights of the skirting board, and of the lower and upper edge of the rail, in metres."""
 _EVERY: Final = 0.5
 """Distance between sample points on walls, in metres; a bed uses them to find the nearest wall."""
+
+_Band = tuple[float, float, palette.RGB, palette.RGB]
+"""Two heights, and the colour at each."""
 
 
 def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
@@ -37,15 +50,65 @@ def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
         height: Where walls are cut, in metres; None for full height. Walls that begin above are not drawn.
     """
     sides, caps = [], []
+    for piece, bottom, top in _standing(floor, height):
+        cap = min(_CAP, (top - bottom) / 2)
+        sides.append(prism(piece, bottom, top - cap))
+        caps.append(prism(piece, top - cap, top))
+    return join(sides), join(caps)
+
+
+def shaded(floor: Map, height: float | None, colours: BuildingColours) -> Surface:
+    """Return all walls as one surface; the arguments are those of `extruded`."""
+    plain = is_outdoors(floor) or sum(len(wall.corner) for wall in floor.wall) > DETAILED
+    corners: list[tuple[float, float, float]] = []
+    tints: list[palette.RGB] = []
+    caps, lids = [], []
+    for piece, bottom, top in _standing(floor, height):
+        cap = min(_CAP, (top - bottom) / 2)
+        caps.append(prism(piece, top - cap, top))
+        if bottom > 0.0:
+            lids.append(prism(piece, bottom, bottom + 0.01))
+        ring = anticlockwise(piece)
+        for z0, z1, low, high in bands(bottom, top - cap, colours, plain=plain):
+            for (ax, ay), (bx, by) in zip(ring, [*ring[1:], ring[0]], strict=True):
+                corners += [(ax, ay, z0), (bx, by, z0), (bx, by, z1), (ax, ay, z1)]
+                tints += [low, low, high, high]
+    first = np.arange(0, len(corners), 4)
+    faces = np.concatenate([np.column_stack([first, first + k, first + k + 1]) for k in (1, 2)])
+    ends = painted({colours.cap: join(caps), colours.wall: join(lids)})
+    assert ends.colours is not None  # noqa: S101  # painted
+    sides = solid(corners, faces)
+    return Surface(sides + ends.solid, colours=np.concatenate([np.array(tints, np.uint8).reshape(-1, 3), ends.colours]))
+
+
+def bands(bottom: float, top: float, colours: BuildingColours, *, plain: bool) -> list[_Band]:
+    """Return the strips of a wall's side from bottom to top, with the colours at the edges of each.
+
+    The shade at the floor and under the ceiling is baked in. A plain wall, as outdoors and on huge maps, is masonry.
+    """
+    if plain:
+        return [(bottom, top, dimmed(colours.masonry, 0.78), colours.masonry)]
+    dado, wall = colours.dado, colours.wall
+    whole: list[_Band] = [
+        (0.0, SKIRTING, dimmed(colours.skirting, 0.8), colours.skirting),
+        (SKIRTING, 0.45, dimmed(dado, 0.82), dado),
+        (0.45, DADO[0], dado, dado),
+        (DADO[0], DADO[1], colours.rail, colours.rail),
+        (DADO[1], 2.0, wall, wall),
+        (2.0, max(top, 2.1), wall, dimmed(wall, 0.86)),
+    ]
+    if bottom > 0.0:
+        return [(bottom, top, wall, dimmed(wall, 0.9))]
+    kept = [(z0, min(z1, top), low, high) for z0, z1, low, high in whole if z0 < top]
+    return [(z0, z1, low, high) for z0, z1, low, high in kept if z1 > z0]
+
+
+def _standing(floor: Map, height: float | None) -> Iterator[tuple[list[Point], float, float]]:
+    """Yield the polygons of the walls with their lower and upper edges, those of the cut ones at the cut."""
     for wall in floor.wall:
         top = wall.height if height is None else min(wall.height, height)
-        if wall.bottom >= top:
-            continue
-        cap = min(_CAP, (top - wall.bottom) / 2)
-        for piece in wall_pieces(wall):
-            sides.append(prism(piece, wall.bottom, top - cap))
-            caps.append(prism(piece, top - cap, top))
-    return join(sides), join(caps)
+        if wall.bottom < top:
+            yield from ((piece, wall.bottom, top) for piece in wall_pieces(wall))
 
 
 def obstacles(floor: Map, height: float | None) -> Painted:
@@ -56,8 +119,8 @@ def obstacles(floor: Map, height: float | None) -> Painted:
         top = obstacle.top if height is None else min(obstacle.top, height + TALLER)
         if obstacle.bottom >= top:
             continue
-        for colour, solid in furniture(msgspec.structs.replace(obstacle, top=top), walls).items():
-            made.setdefault(colour, []).append(solid)
+        for colour, thing in furniture(msgspec.structs.replace(obstacle, top=top), walls).items():
+            made.setdefault(colour, []).append(thing)
     return {colour: join(solids) for colour, solids in sorted(made.items())}
 
 
@@ -70,30 +133,29 @@ def _wall_points(floor: Map) -> Iterator[Point]:
 
 
 class Walls:
-    """Walls and obstacles in a scene."""
+    """Walls with their doors' frames, windows and signs, and obstacles, in a scene.
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self._nodes: dict[str, viser.MeshHandle] = {}
+    Args:
+        scene: The shared scene, or that of one browser.
+        dark: Whether they have the colours of the dark theme.
+    """
+
+    def __init__(self, scene: viser.SceneApi, *, dark: bool = False) -> None:
+        self._scene, self._colours = scene, colours_of(dark=dark)
+        self._nodes: dict[str, viser.GlbHandle] = {}
 
     def show(self, map: Map, height: float | None = HALF_HEIGHT) -> None:  # noqa: A002  # the wire calls it so
         """Show another map, its walls cut at a height in metres; None for full height."""
-        sides, caps = extruded(map, height)
-        made = {"/walls/sides": (sides, palette.WALL), "/walls/caps": (caps, palette.CAP)}
-        for colour, solid in obstacles(map, height).items():
-            made["/obstacles/" + css(colour)[1:]] = (solid, colour)
-        for name, node in self._nodes.items():
-            if name not in made:
-                node.visible = False
-        for name, (solid, colour) in made.items():
-            if len(solid.faces):
-                self._nodes[name] = self._scene.add_mesh_simple(
-                    name,
-                    solid.vertices,
-                    solid.faces,
-                    color=colour,
-                    cast_shadow=name.startswith("/obstacles"),
-                    receive_shadow=False,
-                )
-            elif name in self._nodes:
-                self._nodes[name].visible = False
+        colours = self._colours
+        frames = painted(merged(fittings(map, height, colours), windows(map, height, colours)))
+        self._show("/walls/sides", [shaded(map, height, colours), frames], shadows=False)
+        self._show("/walls/signs", signs(map, colours) if height is None else (), shadows=False)
+        share = colours.furniture
+        things = [({dimmed(rgb, share): thing}) for rgb, thing in obstacles(map, height).items()]
+        self._show("/obstacles", [painted(merged(*things))], shadows=True)
+
+    def _show(self, name: str, made: Sequence[Surface], *, shadows: bool) -> None:
+        if any(len(surface.solid.faces) for surface in made):
+            self._nodes[name] = self._scene.add_glb(name, glb(made), cast_shadow=shadows, receive_shadow=False)
+        elif name in self._nodes:
+            self._nodes[name].visible = False

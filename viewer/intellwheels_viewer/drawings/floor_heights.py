@@ -6,9 +6,10 @@ from typing import Final
 
 FLOOR: Final = 0.0
 ZONE: Final = 0.004
-GRID: Final = 0.006
+PAINT: Final = 0.006
 DOORWAY: Final = 0.008
-LETTERS: Final = 0.010
+SHADE: Final = 0.010
+LETTERS: Final = 0.012
 TRAIL: Final = 0.014
 GOAL: Final = 0.016
 RING: Final = 0.018

@@ -36,7 +36,7 @@ def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
     """
     polygon = anticlockwise([(corner.x, corner.y) for corner in obstacle.corner])
     name, bottom, top = obstacle.name.lower(), obstacle.bottom, obstacle.top
-    frame = _rectangle(polygon)
+    frame = rectangle(polygon)
     if frame is not None and "bed" in name.replace("_", "-").split("-"):
         return _bed(frame, bottom, top, walls)
     if "leg" in name:
@@ -52,6 +52,15 @@ def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
     return _edged(polygon, bottom, top, _BOX, _EDGE)
 
 
+def merged(*parts: Painted) -> Painted:
+    """Return the solids of several parts by colour."""
+    made: dict[palette.RGB, list[Solid]] = {}
+    for part in parts:
+        for rgb, thing in part.items():
+            made.setdefault(rgb, []).append(thing)
+    return {rgb: join(things) for rgb, things in made.items()}
+
+
 def _edged(polygon: Sequence[Point], bottom: float, top: float, body: palette.RGB, cap: palette.RGB) -> Painted:
     """Return a box with a lid of another colour, as wide as the box."""
     lid = min(0.04, (top - bottom) / 2)
@@ -62,10 +71,10 @@ def _wooden(polygon: Sequence[Point], bottom: float, top: float) -> Painted:
     return _edged(polygon, bottom, top, _CABINET, _EDGE)
 
 
-_Rectangle: TypeAlias = tuple[float, float, float, float, float]
+Rectangle: TypeAlias = tuple[float, float, float, float, float]
 
 
-def _rectangle(polygon: Sequence[Point]) -> _Rectangle | None:
+def rectangle(polygon: Sequence[Point]) -> Rectangle | None:
     """Return the centre, length, width and heading of the longer side of a rectangle; None for other shapes."""
     if len(polygon) != 4:
         return None
@@ -78,7 +87,7 @@ def _rectangle(polygon: Sequence[Point]) -> _Rectangle | None:
     return (ax + cx) / 2, (ay + cy) / 2, max(one, other), min(one, other), math.atan2(long[1], long[0])
 
 
-def _bed(frame: _Rectangle, bottom: float, top: float, walls: Sequence[Point]) -> Painted:
+def _bed(frame: Rectangle, bottom: float, top: float, walls: Sequence[Point]) -> Painted:
     """Return a bed with its head (x = -length / 2 before rotation) at the end nearest to a wall."""
     x, y, length, width, heading = frame
     heading = min((heading, heading + math.pi), key=lambda turn: _distance_of_head(x, y, length, turn, walls))

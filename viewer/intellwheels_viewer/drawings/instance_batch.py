@@ -1,14 +1,18 @@
-"""A node of many equal solids. It is made once; each tick assigns arrays, and unchanged arrays are not sent."""
+"""A node of many equal solids, or of equal surfaces with their own colours.
+
+It is made once; each tick assigns arrays, and unchanged arrays are not sent.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
+from intellwheels_viewer.drawings.glb import Surface, glb
 from intellwheels_viewer.drawings.solids import Array, Solid
 from intellwheels_viewer.palette import light_bytes
 
@@ -35,7 +39,7 @@ class InstanceBatch:
         self,
         scene: viser.SceneApi,
         name: str,
-        shape: Solid,
+        shape: Solid | Surface,
         *,
         opacity: float | None = None,
         side: Literal["front", "double"] = "front",
@@ -44,7 +48,9 @@ class InstanceBatch:
     ) -> None:
         self.handle: viser.BatchedMeshHandle | None = None
         self.names: tuple[str, ...] = ()
-        self._scene, self._name, self._shape = scene, name, shape
+        self._scene, self._name = scene, name
+        self._shape = shape if isinstance(shape, Solid) else shape.solid
+        self._glb = b"" if isinstance(shape, Solid) or not len(self._shape.faces) else glb([shape])
         self._visible = True
         self._assigned: dict[str, npt.NDArray[Any]] = {}
         self._opacity, self._side, self._shadow, self._made = opacity, side, shadow, made
@@ -84,7 +90,8 @@ class InstanceBatch:
             return
         self._assign("batched_positions", places)
         self._assign("batched_wxyzs", turns)
-        self._assign("batched_colors", tints)
+        if not self._glb:
+            self._assign("batched_colors", tints)
         self._assign("batched_scales", sizes)
         self._assign("batched_opacities", shares)
 
@@ -99,7 +106,28 @@ class InstanceBatch:
             setattr(self.handle, name, value)
 
     def _make(self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None) -> None:
-        self.handle = self._scene.add_batched_meshes_simple(
+        if self._glb:
+            made = self._scene.add_batched_glb(
+                self._name,
+                self._glb,
+                turns,
+                places,
+                batched_scales=sizes,
+                lod="off",
+                cast_shadow=self._shadow,
+                receive_shadow=self._shadow,
+            )
+            # Both handles have the same events, and the same arrays but for the colours.
+            self.handle = cast("viser.BatchedMeshHandle", made)
+        else:
+            self.handle = self._simple(places, turns, tints, sizes, shares)
+        if self._made is not None:
+            self._made(self)
+
+    def _simple(
+        self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None
+    ) -> viser.BatchedMeshHandle:
+        return self._scene.add_batched_meshes_simple(
             self._name,
             self._shape.vertices,
             self._shape.faces,
@@ -114,5 +142,3 @@ class InstanceBatch:
             cast_shadow=self._shadow,
             receive_shadow=self._shadow,
         )
-        if self._made is not None:
-            self._made(self)

@@ -27,6 +27,8 @@ SPOKEN: Final = 3.0
 STILL: Final = 0.005
 """Metres per second below which a speed is not shown."""
 
+REAL: Final = "\u25cf real"
+"""What stands behind the name of a real chair."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
@@ -89,10 +91,11 @@ def tags(
 
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
     hull = extent(parts_of(body.robot))
-    text = "\n".join([*bubbles, name_of(entity, with_speed=wanted)])
+    name = name_of(entity, with_speed=wanted)
+    name = f"{name}  {REAL}" if body.robot.type == "real" else name
     return Wish(
         entity.name,
-        text,
+        "\n".join([*bubbles, name]),
         entity.x,
         entity.y,
         hull.top + ABOVE,

@@ -1,13 +1,15 @@
-"""A standing person of the declared size, arms at the sides; the nose shows the heading."""
+"""A person of the declared size, arms at the sides; the nose shows the heading, and the legs move with the gait."""
 
 from __future__ import annotations
 
 from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.rules import parts_of
-from intellwheels_viewer.drawings.body_look import BodyLook, extent
+from intellwheels_viewer import palette
+from intellwheels_viewer.drawings.body_look import BodyLook, Leg, extent
 from intellwheels_viewer.drawings.solids import Solid, ball, both, ellipses, join
 
-_SKIN = (214, 184, 160)
+_SKIN = (214, 176, 148)
+_HAIR = (82, 60, 46)
 
 
 def person(robot: Robot, *, crowd: bool = False) -> BodyLook:
@@ -53,12 +55,29 @@ def person(robot: Robot, *, crowd: bool = False) -> BodyLook:
         ],
         sides // 2,
     )
+    hip = (x, 0.3 * width, 0.48 * tall)
+    limb = (leg + shoe).moved(*(-value for value in hip))
     return BodyLook(
         paint=torso + both(arm),
-        dark=both(leg + shoe),
+        dark=both(leg + shoe) if crowd else Solid(),
+        leg=None if crowd else Leg(limb, (hip, (x, -hip[1], hip[2])), palette.DARK),
+        more={_HAIR: _hair(x, width, tall, sides)},
         light=_head(x, depth, width, tall, sides),
         light_rgb=_SKIN,
         stripe=(x - 0.1 * depth, 0.845 * tall, 0.8 * width),
+    )
+
+
+def _hair(x: float, width: float, tall: float, sides: int) -> Solid:
+    radius = min(0.065 * tall, 0.5 * width)
+    return ellipses(
+        [
+            (0.90 * tall, x - 0.35 * radius, 0.0, 0.75 * radius, 0.8 * radius),
+            (0.945 * tall, x - 0.18 * radius, 0.0, 1.02 * radius, 1.08 * radius),
+            (0.985 * tall, x - 0.05 * radius, 0.0, 0.8 * radius, 0.78 * radius),
+            (tall, x, 0.0, 0.15 * radius, 0.15 * radius),
+        ],
+        sides // 2 if sides < 16 else 12,
     )
 
 

@@ -199,14 +199,19 @@ def ball(x: float, y: float, z: float, radius: float, sides: int = 12) -> Solid:
 
 def rod(start: Point, end: Point, radius: float, sides: int = 6) -> Solid:
     """Return a round rod between two points, with flat ends."""
+    return taper(start, end, radius, radius, sides)
+
+
+def taper(start: Point, end: Point, first: float, last: float, sides: int = 6) -> Solid:
+    """Return a round rod between two points whose radius goes from the first to the last, with flat ends."""
     a, b = np.array(start), np.array(end)
     axis = (b - a) / np.linalg.norm(b - a)
     aside = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (0.0, 1.0, 0.0))
     aside /= np.linalg.norm(aside)
     up = np.cross(axis, aside)
     turns = [2 * math.pi * index / sides for index in range(sides)]
-    circle = [radius * (math.cos(t) * aside + math.sin(t) * up) for t in turns]
-    return loft([[_point(end_ + offset) for offset in circle] for end_ in (a, b)])
+    circle = [math.cos(t) * aside + math.sin(t) * up for t in turns]
+    return loft([[_point(at + radius * offset) for offset in circle] for at, radius in ((a, first), (b, last))])
 
 
 def _point(vector: npt.NDArray[np.float64]) -> Point:

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 import viser
 
+from intellwheels_viewer.page_title import reality
 from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.commands import is_local, run_command
@@ -61,6 +62,8 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
         f'<div class="iw-head"><i class="iw-dot {now.tone}"></i><b>{html.escape(now.title)}</b></div>'
         f'<div class="{size}">{prose(now.text)}</div>'
     )
+    if snapshot.phase == "live":
+        content += "".join(f'<div class="iw-small">{html.escape(words)}</div>' for words in reality(snapshot))
     if words := rights_words(snapshot, choices):
         content += note(words, "wait") if words.startswith(VIEW_ONLY) else f'<div class="iw-small">{prose(words)}</div>'
     if snapshot.phase in ("silent", "gone"):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Final
+from typing import Annotated, Any, Final
 
 import msgspec
 import viser
+from msgspec import Meta
 
+from intellwheels_viewer.head_turn import EYE_RANGE, EYES, FIELD, FIELD_RANGE
 from intellwheels_viewer.panels.callbacks import updated
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
 
@@ -26,6 +28,9 @@ class Layers:
         labels: Names, speeds and speech.
         goals: The goals of agents.
         plan: The small plan in the panel.
+        senses: Whether the view from the chair shows sensors and trails too.
+        eye_height: Of the user in the view from the chair, in metres.
+        field_of_view: Vertical angle of the view from the chair, in degrees.
     """
 
     full_walls: bool = False
@@ -36,6 +41,9 @@ class Layers:
     labels: bool = True
     goals: bool = True
     plan: bool = True
+    senses: bool = False
+    eye_height: Annotated[float, Meta(ge=EYE_RANGE[0], le=EYE_RANGE[1])] = EYES
+    field_of_view: Annotated[float, Meta(ge=FIELD_RANGE[0], le=FIELD_RANGE[1])] = FIELD
 
     def to_json(self) -> str:
         """Return the layers as the JSON that a browser stores."""
@@ -64,11 +72,17 @@ LABELS: Final = {
     "labels": "Names, speech",
     "goals": "Goals",
     "plan": "Plan",
+    "senses": "Sensors from the chair",
+    "eye_height": "Eye height (m)",
+    "field_of_view": "Field of view (°)",
 }
+
+_RANGES: Final = {"eye_height": (*EYE_RANGE, 0.05), "field_of_view": (*FIELD_RANGE, 1.0)}
+"""The smallest and the largest value of what is a number, and its step."""
 
 
 class LayersPanel:
-    """A checkbox for each layer.
+    """A checkbox for each layer, and a field for what is a number.
 
     Args:
         gui: Makes the elements, in the open container.
@@ -84,15 +98,35 @@ class LayersPanel:
         self._layers = layers
         self._on_change = on_change
         self._boxes = {
-            field.name: gui.add_checkbox(LABELS[field.name], getattr(layers, field.name)) for field in fields(Layers)
+            field.name: gui.add_checkbox(LABELS[field.name], getattr(layers, field.name))
+            for field in fields(Layers)
+            if field.name not in _RANGES
+        }
+        self._numbers = {
+            name: gui.add_number(LABELS[name], getattr(layers, name), min=low, max=high, step=step)
+            for name, (low, high, step) in _RANGES.items()
         }
         for name, box in self._boxes.items():
             self._listen(name, box)
+        for name, box_of_number in self._numbers.items():
+            self._listen_number(name, box_of_number)
         self._legend = gui.add_html(legend)
 
     def _listen(self, name: str, box: viser.GuiCheckboxHandle) -> None:
         def change(value: bool) -> None:
             self._layers = replace(self._layers, **{name: bool(value)})
             self._on_change(self._layers)
+
+        updated(box, change)
+
+    def _listen_number(self, name: str, box: viser.GuiNumberHandle[float]) -> None:
+        low, high, _ = _RANGES[name]
+
+        def change(value: float) -> None:
+            # A page can send any number.
+            if isinstance(value, int | float) and low <= value <= high:
+                changed: dict[str, Any] = {name: float(value)}
+                self._layers = replace(self._layers, **changed)
+                self._on_change(self._layers)
 
         updated(box, change)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from intellwheels_schemas.agent_colours import css
-from intellwheels_viewer.palette import CONTACT, DOORWAY, SELECTED
+from intellwheels_viewer.palette import CONTACT, SELECTED
 from intellwheels_viewer.panels.style_sheet import block
 
 _MARKS: Final = (
@@ -22,16 +22,16 @@ _MARKS: Final = (
     ),
     ('<path d="M2 16C14 16 18 6 42 6" fill="none" stroke="currentColor" stroke-width="3"/>', "path of the last 20 s"),
     (f'<rect x="8" y="5" width="28" height="12" fill="none" stroke="{css(CONTACT)}" stroke-width="3"/>', "contact"),
-    (f'<path d="M20 1h4v6l7 4-7 4v6h-4v-6l-7-4 7-4z" fill="{css(DOORWAY)}" stroke="currentColor"/>', "doorway"),
 )
 """A mark, 44 x 22 px, and its meaning."""
 
 
-def legend_html(wedges: str) -> str:
+def legend_html(wedges: str, real: str = "") -> str:
     """Return the legend.
 
     Args:
         wedges: The rows of the sensors, as HTML.
+        real: The rows of real and virtual chairs.
     """
     rows = "".join(
         f'<tr><td style="width:46px;padding:1px 8px 1px 0;border:0;text-align:left"><svg width="44" height="22" '
@@ -43,6 +43,8 @@ def legend_html(wedges: str) -> str:
         "legend",
         '<div class="iw-caption iw-group">marks in the scene</div>',
         f"<table>{rows}</table>",
+        '<div class="iw-caption iw-group">real and virtual chairs</div>' if real else "",
+        real,
         '<div class="iw-caption iw-group">range of a proximity sensor</div>',
         wedges,
     )

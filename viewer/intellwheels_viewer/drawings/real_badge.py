@@ -1,0 +1,100 @@
+"""The badge of a real chair: a plate that says REAL, on its back and flat on the floor behind it. Pure.
+
+A real chair has a white band around its back as well. A virtual one has neither, and its footprint has dashes.
+"""
+
+from __future__ import annotations
+
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from intellwheels_viewer.drawings import floor_heights
+from intellwheels_viewer.drawings.body_look import Extent
+from intellwheels_viewer.drawings.furniture import Painted
+from intellwheels_viewer.drawings.solids import Solid, join, sheet
+from intellwheels_viewer.palette import RGB
+
+PLATE: Final[RGB] = (20, 24, 32)
+LETTERS: Final[RGB] = (255, 255, 255)
+WIDTH: Final = 0.50
+"""Width of the plate on the floor, in metres."""
+GAP: Final = 0.05
+"""Metres between the footprint and the plate behind it."""
+
+_Strokes: TypeAlias = tuple[tuple[float, float, float, float], ...]
+# Each letter as bars (left, right, lower, upper) in a box 3 wide and 5 high.
+_BARS: Final[dict[str, _Strokes]] = {
+    "R": ((0, 1, 0, 5), (1, 3, 4, 5), (2, 3, 2.9, 4), (1, 3, 2, 2.9), (2, 3, 0, 2)),
+    "E": ((0, 1, 0, 5), (1, 3, 4, 5), (1, 2.6, 2, 3), (1, 3, 0, 1)),
+    "A": ((0, 1, 0, 5), (2, 3, 0, 5), (1, 2, 4, 5), (1, 2, 1.8, 2.7)),
+    "L": ((0, 1, 0, 5), (1, 3, 0, 1)),
+}
+_WORD: Final = "REAL"
+_PITCH: Final = 4.0
+_ASPECT: Final = (4 * _PITCH - 1 + 2) / 7
+"""Width over height of the plate, with a margin of one unit around the letters."""
+
+
+def plate() -> Painted:
+    """Return the plate in the plane z = 0, 1 m wide, its middle at the origin, to be read along x from below."""
+    high = 1.0 / _ASPECT
+    unit = high / 7
+    back = sheet([(-0.5, -high / 2), (0.5, -high / 2), (0.5, high / 2), (-0.5, high / 2)], 0.0)
+    letters = []
+    for place, letter in enumerate(_WORD):
+        x = -0.5 + unit * (1 + _PITCH * place)
+        y = -high / 2 + unit
+        for left, right, low, up in _BARS[letter]:
+            corners = [(x + unit * a, y + unit * b) for a, b in ((left, low), (right, low), (right, up), (left, up))]
+            letters.append(sheet(corners, 0.0))
+    return {PLATE: back, LETTERS: join(letters)}
+
+
+def on_floor(hull: Extent) -> Painted:
+    """Return the plate on the floor behind a footprint, to be read from behind the chair."""
+    y = hull.middle[1]
+    lifts = {PLATE: floor_heights.FOOTPRINT, LETTERS: floor_heights.OUTLINE}
+    made = {}
+    for rgb, flat in plate().items():
+        # What was along x runs to the right of the chair, and up is ahead.
+        turned = flat.vertices[:, [1, 0, 2]] * np.array([WIDTH, -WIDTH, 1.0], np.float32)
+        behind = hull.rear - GAP - WIDTH / _ASPECT / 2
+        made[rgb] = Solid(turned.astype(np.float32), flat.faces).moved(behind, y, lifts[rgb])
+    return made
+
+
+def upright(x: float, z: float, width: float) -> Painted:
+    """Return the plate on the rear of a back, in the plane across at x, its middle at z, to be read from behind."""
+    made = {}
+    for depth, (rgb, flat) in enumerate(plate().items()):
+        vertices = np.column_stack(
+            [
+                np.full(len(flat.vertices), x - 0.002 * depth),
+                -flat.vertices[:, 0] * width,
+                z + flat.vertices[:, 1] * width,
+            ]
+        )
+        made[rgb] = Solid(vertices.astype(np.float32), flat.faces)
+    return made
+
+
+def legend() -> str:
+    """Return HTML that says how real, virtual and stale chairs are told apart."""
+    frame = '<rect x="2" y="3" width="40" height="16" fill="none" stroke="currentColor" stroke-width="2.5"'
+    plate = (
+        '<rect x="7" y="6" width="30" height="10" fill="#141820"/>'
+        '<text x="22" y="14" font-size="8" font-weight="700" text-anchor="middle" fill="#fff">REAL</text>'
+    )
+    rows = (
+        ("real", f"{frame}/>{plate}", "real: solid frame, plate, white band"),
+        ("virtual", f'{frame} stroke-dasharray="5 4"/>', "virtual: dashed frame"),
+        ("stale", f'{frame} opacity="0.35"/>', "faded: no news of a real one"),
+    )
+    cells = "".join(
+        f'<tr data-reality="{name}"><td style="width:46px;padding:1px 8px 1px 0">'
+        f'<svg width="44" height="22" viewBox="0 0 44 22" style="display:block">{shape}</svg></td>'
+        f'<td style="padding:1px 0">{words}</td></tr>'
+        for name, shape, words in rows
+    )
+    return f'<table style="border-collapse:collapse;font-size:13px;line-height:1.4">{cells}</table>'
