@@ -153,7 +153,7 @@ class Keys:
 
     def read_of(self, agent: str) -> tuple[str, ...]:
         """Return the keys of an agent that the simulator reads: those that it writes, and that of its user."""
-        return (*(self.in_(agent, kind) for kind in IN_KINDS), self.user(agent))
+        return (*(self.in_(agent, kind) for kind in IN_KINDS.values()), self.user(agent))
 
     def out(self, agent: str, kind: OutKind) -> str:
         """Return a key that the simulator writes for an agent."""
