@@ -139,13 +139,13 @@ class Inbox:
 
     def on_sample(self, sample: zenoh.Sample) -> None:
         """Keep a sample. This is the callback for `declare_subscriber`."""
-        if sample.kind != zenoh.SampleKind.PUT:
-            self.deleted += 1
-            return
         key = str(sample.key_expr)
-        # Before the bytes are copied: to drop a flood must cost little.
+        # Before anything else is read: to drop a flood must cost little.
         if self._known is not None and not self._has_share(key):
             self.dropped += 1
+            return
+        if sample.kind != zenoh.SampleKind.PUT:
+            self.deleted += 1
             return
         length = len(sample.payload)
         if length > self._max_bytes:

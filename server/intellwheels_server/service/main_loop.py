@@ -1,7 +1,8 @@
 """The loop of the simulator: it waits, takes what arrived, and lets the service do what is due.
 
-A flood makes no tick late for long. Of each key only so many messages are kept for each tick. Messages are taken in
-pieces, and queries come after them: few at a time between ticks, and those of one key wait only for their like.
+A flood makes no tick late by much work of this loop. Of each key only so many messages are kept for each tick.
+Messages are taken in pieces, and queries come after them: few at a time between ticks, and those of one key wait only
+for their like.
 """
 
 from __future__ import annotations
