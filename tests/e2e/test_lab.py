@@ -32,9 +32,7 @@ def agents_of(lines: list[dict[str, Any]], what: str) -> set[str]:
 
 
 @pytest.mark.parametrize("seconds", [15.0, pytest.param(120.0, marks=pytest.mark.soak)])
-def test_two_real_and_two_virtual_chairs_share_a_floor_and_each_run_is_the_same(
-    tmp_path: Path, seconds: float
-) -> None:
+def test_two_real_and_two_virtual_chairs_share_a_floor_and_each_run_is_the_same(tmp_path: Path, seconds: float) -> None:
     played = tmp_path / "lab.xml"
     played.write_text(write_file(structs.replace(scene("lab"), end=End(timeout=Timeout(seconds=seconds)))))
     hashes = set()
