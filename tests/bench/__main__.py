@@ -92,7 +92,7 @@ def main() -> None:
         rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
-        rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()
+        rows += bystanders.bench(**quick, seconds=0.3, settle=0.3) if options.quick else bystanders.bench()
     show(rows)
     append(rows, options.csv)
 

@@ -1,4 +1,7 @@
-"""`iw-run lab`: two real and two virtual chairs. The true poses of the real ones never leave the laboratory."""
+"""`iw-run lab`: two real and two virtual chairs. The true poses of the real ones never leave the laboratory.
+
+A quarter of a minute of the scene is run twice with the suite, the whole scene with the mark soak.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
+from msgspec import structs
+
 from intellwheels_experiments.run.child_processes import parse
+from intellwheels_maps import scene
+from intellwheels_schemas.files import write_file
+from intellwheels_schemas.messages import End, Timeout
 from tests.e2e.stage import Stage, run
 
 REAL = {"real1", "real2"}
@@ -22,14 +31,18 @@ def agents_of(lines: list[dict[str, Any]], what: str) -> set[str]:
     return {agent for line in lines for agent in line.get("Inputs", {}).get(what, {})}
 
 
-def test_two_real_and_two_virtual_chairs_share_a_floor_and_each_run_is_the_same(tmp_path: Path) -> None:
+@pytest.mark.parametrize("seconds", [15.0, pytest.param(120.0, marks=pytest.mark.soak)])
+def test_two_real_and_two_virtual_chairs_share_a_floor_and_each_run_is_the_same(tmp_path: Path, seconds: float) -> None:
+    played = tmp_path / "lab.xml"
+    played.write_text(write_file(structs.replace(scene("lab"), end=End(timeout=Timeout(seconds=seconds)))))
     hashes = set()
     for turn in ("first", "again"):
         log, result = tmp_path / f"{turn}.jsonl", tmp_path / f"{turn}.json"
-        done = run("intellwheels_experiments", "lab", "--json", str(result), "--log", str(log), timeout=LIMIT)
+        done = run("intellwheels_experiments", str(played), "--json", str(result), "--log", str(log), timeout=LIMIT)
         assert done.returncode == 0, done.stdout + done.stderr
         hashes.add(json.loads(result.read_text())["hash"])
     assert len(hashes) == 1
+    assert json.loads(result.read_text())["ticks"] == seconds * 20
     here, there = lines_of(log), lines_of(log.with_stem("again-lab"))
     joins = [one for line in here for one in line.get("Inputs", {}).get("Changes", []) if one["Do"] == "Join"]
     assert {one["Agent"] for one in joins} == REAL | {"virtual1", "virtual2", "table"}

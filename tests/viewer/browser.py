@@ -93,6 +93,9 @@ class Browser:
                     self._news.notify_all()
         except ConnectionClosed:
             pass
+        finally:
+            with self._news:  # whoever waits for the end of the connection need not wait for its deadline
+                self._news.notify_all()
 
     def _take(self, message: dict[str, Any]) -> None:
         kind = message["type"]
