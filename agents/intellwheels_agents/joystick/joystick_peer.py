@@ -32,6 +32,8 @@ from intellwheels_schemas.session_closing import closing
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
+SAME_EVERY: Final = 5.0
+"""Seconds in which the same error about the input is shown once."""
 FINAL_TIMEOUT: Final = ANSWER_TIMEOUT + 1.0
 """Seconds to wait at the end for an outstanding answer: its own time-out, and a second for a busy machine."""
 
@@ -161,6 +163,7 @@ class _Loop:
         self._timing = InputTiming()
         self._lease = LeaseClient(agent) if take else None
         self._time: float | None = None
+        self._ignored, self._ignored_at = "", 0.0
 
     def run(self, stop: threading.Event) -> int:
         lease = self._lease
@@ -238,7 +241,11 @@ class _Loop:
             return
         error = decode(Error, put.data, encoding, strict=False)
         # The others are about what the agent itself sends.
-        if (error.where or "").startswith("UserInput"):
+        if not (error.where or "").startswith("UserInput"):
+            return
+        now = time.monotonic()
+        if error.text != self._ignored or now >= self._ignored_at + SAME_EVERY:
+            self._ignored, self._ignored_at = error.text, now
             _log(f"ignored agent={self._agent} code={error.code} why={error.text!r}")
 
 

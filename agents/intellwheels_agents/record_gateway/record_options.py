@@ -37,7 +37,9 @@ Ticks whose state did not arrive are counted, and reported in /log and in the la
 In the live view, publish JSON to /user/AGENT, such as {"Forward": 0.5, "Turn": 0.1}, or {"linear": {"x": 0.5},
 "angular": {"z": 0.2}} in m/s and rad/s, to drive a chair. Anybody who can connect to the live view can do so.
 
-Standard output has the lines `ready file=... live=...` and `recorded file=... messages=... ticks=... missed=...`.
+Standard output has the lines `ready file=... live=...` and `recorded file=... messages=... ticks=... missed=...
+refused=...`. `refused` counts the messages that were left out: invalid ones, those of a run that had ended, and those
+for which a recording had no room for another topic.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the extra `foxglove`.
 """
 PORT: Final = 8765

@@ -19,4 +19,6 @@ def log_line(line: str) -> None:
 
 def _write(stream: TextIO, line: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # the reader has closed the pipe
-        print(line, file=stream, flush=True)
+        # In one piece, as the two streams may share a file and `PYTHONUNBUFFERED` writes each piece by itself.
+        stream.write(line + "\n")
+        stream.flush()

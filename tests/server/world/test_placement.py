@@ -72,7 +72,7 @@ def test_place_that_is_kept_for_another_body_is_not_given_away() -> None:
     assert refusal.value.code == "no-place"
     assert refusal.value.text == (
         "no free place for a wheelchair on map 'test' besides those kept for other agents (first, second): "
-        "set Robot.Place or Robot.Position"
+        "give a place or a position (Robot.Place or Robot.Position; --place or --position of iw-agent)"
     )
 
 
