@@ -208,7 +208,8 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
     but = f" besides those kept for other agents ({', '.join(kept)})" if kept else ""
     raise RequestRefusedError(
         "no-place",
-        f"no free place for a {robot.kind} on map '{floor.name}'{but}: give a place or a position (Robot.Place or Robot.Position; --place or --position of iw-agent)",
+        f"no free place for a {robot.kind} on map '{floor.name}'{but}: give a place or a position (Robot.Place or "
+        "Robot.Position; --place or --position of iw-agent)",
     )
 
 
