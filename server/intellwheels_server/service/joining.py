@@ -341,6 +341,7 @@ def _update_members(service: ServiceState, changed: Sequence[str]) -> None:
         reader = mind or body
         if (ended := agents.crews.place(agent, reader)) is not None:
             outlet.undeclare_crew(ended)
+            service.error_limit.forget(f"crew/{ended}")
         if reader is None:
             agents.set_encoding(agent, None)
             service.error_limit.forget(agent)
