@@ -22,7 +22,7 @@ from intellwheels_schemas.messages import (
     Robot,
 )
 from intellwheels_schemas.rules import MAX_CREW
-from intellwheels_server.service import joining, outbound
+from intellwheels_server.service import joining, leaving, outbound
 from intellwheels_server.service.arrival import Query, Token
 from intellwheels_server.service.connected_agents import WaitingCrew
 from intellwheels_server.service.roster import presence_of
@@ -195,12 +195,12 @@ def handle_crew_leave(service: ServiceState, query: Query) -> None:
         return
     crew = service.agents.crews.named.get(query.name)
     members = crew.members if crew is not None else {}
-    leaving = [
+    going = [
         members[leave.agent] for leave in crew_leave.leave
         if leave.agent in members and members[leave.agent].session == leave.session
     ]  # fmt: skip
-    for member in leaving:
-        joining.queue_leave(service, member)
-    lacks = len(crew_leave.leave) - len(leaving)
+    for member in going:
+        leaving.queue_leave(service, member)
+    lacks = len(crew_leave.leave) - len(going)
     text = f"crew '{query.name}': expected its agents, each with the session of its last join; got {lacks} others"
     service.queue_change(lambda _now: query.reply(service.result("not-found", text) if lacks else service.result("ok")))

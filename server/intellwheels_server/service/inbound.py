@@ -17,7 +17,7 @@ from intellwheels_schemas.messages import (
     UserInput,
 )
 from intellwheels_schemas.metal_codes import is_genuine, pose_line
-from intellwheels_server.service import joining
+from intellwheels_server.service import leaving
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import Answered, AnswerKind
 from intellwheels_server.service.command_ages import has_command
@@ -96,7 +96,7 @@ def take_actions(service: ServiceState, agent: str, actions: Actions, data: Answ
         service.command_ages.take(agent, actions, state.tick)
     replaced_say = service.latch.act(agent, actions)
     if actions.leave:
-        joining.queue_leave(service, member)
+        leaving.queue_leave(service, member)
     return replaced_say
 
 

@@ -1,9 +1,8 @@
-"""Joins and leaves, and everything that follows from them."""
+"""Joins, and everything that follows when members come and go."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Final
 
 import msgspec
@@ -11,14 +10,13 @@ import msgspec
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import Depart, Join, Note
-from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Position, Refused, RefusedCode, Robot
+from intellwheels_schemas.messages import ErrorCode, Joined, Position, Refused, RefusedCode, Robot
 from intellwheels_schemas.metal_codes import new_key
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.body_places import body_join, bridge_status, is_unowned, named, position_of
 from intellwheels_server.service.connected_agents import WaitingJoin
-from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.roster import MAX_BODIES, Member, Roster, is_return, new_hex, role_text, same_body
 from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
@@ -305,63 +303,23 @@ def _joined_reply(service: ServiceState, member: Member, position: Position, *, 
     )
 
 
-# ------------------------------------------------------------ leaves
+# ------------------------------------------------------------ what follows
 
 
-def handle_leave(service: ServiceState, query: Query) -> None:
-    """Take a request to leave; it is answered when the agent has left."""
-    if not query.name:
-        if not query.has_wildcards:
-            query.refuse(service.result("failed", f"leave/<agent>: {NAME_EXPECTED}"))
-        else:
-            query.close()
-        return
-    try:
-        # A query without bytes gets the same words as one without a Session.
-        data = query.data or b"{}"
-        leave = decode(Leave, data, encoding_of(query.encoding, data) if query.data else Encoding.JSON)
-    except WireError as error:
-        query.refuse(service.result("failed", error.text))
-        return
-    members = service.agents.roster.members(query.name)
-    leaving = next((member for member in members if member.session == leave.session), None)
-    if leaving is None:
-        why = "no such agent here" if not members else "expected the session of the last join, got another"
-        query.reply(service.result("not-found", f"agent '{query.name}': {why}"))
-        return
-    queue_leave(service, leaving, query)
-
-
-def queue_leave(service: ServiceState, member: Member, query: Query | None = None) -> None:
-    """Let a member leave as soon as changes may act, and do not wait for its answers; then answer the query."""
-    for agent, kind in member.answers():
-        service.pacing.barrier.cancel(agent, kind)
-    service.queue_change(partial(_leave, service, member, query))
-
-
-def _leave(service: ServiceState, member: Member, query: Query | None, now: float) -> None:
-    if member in service.agents.roster.members(member.agent):
-        if member.role == "body" and service.agents.roster.mind(member.agent) is not None:
-            fault = Fault("not-joined", f"agent '{member.agent}' has no body any more, so its mind has left too")
-            outbound.send_error(service, member.agent, fault, now)
-        service.apply(Depart(agent=member.agent, role=member.role))
-        remove_member(service, member)
-    if query is not None:
-        query.reply(service.result("ok"))
-
-
-def remove_member(service: ServiceState, member: Member) -> None:
-    """Remove a member and, if its body is gone, everything that belonged to the body."""
-    agent, state, roster = member.agent, service.run.state, service.agents.roster
-    service.publisher.outlet.log_line(f"left agent={agent} role={member.role} tick={state.tick}")
-    body_is_gone = agent not in state.body_set.models
-    for each in roster.members(agent) if body_is_gone else (member,):
-        for name, kind in each.answers():
-            service.pacing.barrier.cancel(name, kind)
-        roster.remove(each)
-    if body_is_gone:
-        forget_body(service, agent)
-    _update_members(service, (agent,))
+def remove_member(service: ServiceState, *members: Member) -> None:
+    """Remove members and, if the body of one is gone, everything that belonged to the body."""
+    state, roster = service.run.state, service.agents.roster
+    for member in members:
+        agent = member.agent
+        service.publisher.outlet.log_line(f"left agent={agent} role={member.role} tick={state.tick}")
+        body_is_gone = agent not in state.body_set.models
+        for each in roster.members(agent) if body_is_gone else (member,):
+            for name, kind in each.answers():
+                service.pacing.barrier.cancel(name, kind)
+            roster.remove(each)
+        if body_is_gone:
+            forget_body(service, agent)
+    _update_members(service, [member.agent for member in members])
 
 
 def forget_body(service: ServiceState, agent: str) -> None:
@@ -383,6 +341,7 @@ def _update_members(service: ServiceState, changed: Sequence[str]) -> None:
         reader = mind or body
         if (ended := agents.crews.place(agent, reader)) is not None:
             outlet.undeclare_crew(ended)
+            service.error_limit.forget(f"crew/{ended}")
         if reader is None:
             agents.set_encoding(agent, None)
             service.error_limit.forget(agent)

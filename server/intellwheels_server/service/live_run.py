@@ -13,7 +13,16 @@ from typing import Final
 from intellwheels_schemas.file_records import Verdict
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log.branch import Branch
-from intellwheels_server.service import control, crew_inbound, crew_joining, inbound, joining, outbound, presence
+from intellwheels_server.service import (
+    control,
+    crew_inbound,
+    crew_joining,
+    inbound,
+    joining,
+    leaving,
+    outbound,
+    presence,
+)
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus
 from intellwheels_server.service.load_floor import FloorWorker
@@ -145,7 +154,7 @@ class LiveRun:
             case "join":
                 joining.handle_join(self._service, query, now)
             case "leave":
-                joining.handle_leave(self._service, query)
+                leaving.handle_leave(self._service, query)
             case "crew-join":
                 crew_joining.handle_crew_join(self._service, query, now)
             case "crew-leave":

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from intellwheels_schemas.file_records import Note, TakeBody
-from intellwheels_server.service import joining
+from intellwheels_server.service import joining, leaving
 from intellwheels_server.service.arrival import Token
 from intellwheels_server.service.connected_agents import WaitingJoin
 from intellwheels_server.service.roster import Member, role_text
@@ -18,15 +18,33 @@ def take_token(service: ServiceState, token: Token, now: float) -> None:
     if member is not None:
         code = "returned" if token.present else "lost"
         service.publisher.outlet.log_line(f"{code} agent={member.agent} role={member.role}")
-        service.queue_change(partial(_note_presence, service, member, token.present))
+        last = service.last_queued
+        if not isinstance(last, PresenceNotes):
+            last = PresenceNotes(service)
+            service.queue_change(last)
+        last.changed.append((member, token.present))
     # A flood of tokens of others must not look through all joins each time.
     if token.present and any(join.query.name == token.agent for join in service.agents.waiting_joins):
         _recheck_waiting_joins(service)
 
 
-def _note_presence(service: ServiceState, member: Member, present: bool, _now: float) -> None:
-    if member in service.agents.roster.members(member.agent):
-        service.apply(Note(code="returned" if present else "lost", agent=member.agent, text=role_text(member)))
+class PresenceNotes:
+    """Changes of presence that wait next to each other in the queue of changes, and are noted together."""
+
+    def __init__(self, service: ServiceState) -> None:
+        self.changed: list[tuple[Member, bool]] = []
+        self._service = service
+
+    def __call__(self, _now: float) -> None:
+        """Note them in the world, in order, as far as they are about members."""
+        service, roster = self._service, self._service.agents.roster
+        notes = [
+            Note(code="returned" if present else "lost", agent=member.agent, text=role_text(member))
+            for member, present in self.changed
+            if member in roster.members(member.agent)
+        ]
+        if notes:
+            service.apply_all(notes)
 
 
 def _recheck_waiting_joins(service: ServiceState) -> None:
@@ -54,7 +72,7 @@ def handle_deadlines(service: ServiceState, now: float) -> None:
         member.absent_since = None  # so that it is handled once
         if pacing.strict and pacing.lockstep and member.answers() and not service.is_stopped():
             service.end_for_missed_answer(member.agent)
-        joining.queue_leave(service, member)
+        leaving.queue_leave(service, member)
     for agent in agents.leases.take_expired(now):
         service.queue_change(partial(_release, service, agent))
 

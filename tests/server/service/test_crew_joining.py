@@ -261,3 +261,14 @@ def test_body_names_the_crew_that_has_the_agent_now() -> None:
     ((reply, _),) = stage.ask("crew-join", "c", CrewJoin(crew="c", instance=INSTANCE, robot=(mind,)))
     assert [each.robot.crew for each in accepted(reply).joined] == ["c"]
     assert stage.of("body", "b1")[-1].robot.crew == "c"
+
+
+def test_nothing_is_kept_of_crews_that_ended() -> None:
+    stage = Stage(pace="realtime")
+    for name in ("c", "d"):
+        stage.join_crew(name, "c1")
+        stage.put(name, b"?", "crew")
+        assert [error.code for error in stage.of("crew-error", name)] == ["malformed"]
+        leave = AgentLeave(agent="c1", session=stage.sessions["c1"])
+        stage.ask("crew-leave", name, CrewLeave(crew=name, leave=(leave,)))
+    assert stage.live_run._service.error_limit._known == {}
