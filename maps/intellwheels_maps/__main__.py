@@ -62,7 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
-    importing = command("import", "make a map of a floor of another program, and list what was left out")
+    importing = command("import", "convert a floor plan made for another program to a map, and list what was left out")
     importing.add_argument(
         "file", metavar="FILE[#LEVEL]", type=Path,
         help=f"the floor ({', '.join(importers.FORMATS)}; or .xml, a lab of Ciber-Rato); #LEVEL chooses a level of a "

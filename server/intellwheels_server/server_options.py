@@ -68,7 +68,7 @@ def parser() -> argparse.ArgumentParser:
     found = CommandParser(
         prog="iw-server",
         description="Simulate intelligent wheelchairs, doors and tables on a map. "
-        "Each of them is an agent:\na process of its own that joins over Zenoh.",
+        "Each of them is an agent,\nwhich joins over Zenoh from another process.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -90,8 +90,8 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--map", metavar="NAME|FILE",
-        help="the map: an included one, or a file; the floor of another program needs the extra `floors`, `ifc` for "
-        f".ifc, or none for a lab of Ciber-Rato (default: the scene's, or {DEFAULT_FLOOR})",
+        help="the map: an included one, or a file (a floor plan made for another program needs the extra `floors`, "
+        f"or `ifc` if it is .ifc; a lab file of Ciber-Rato needs none) (default: the scene's, or {DEFAULT_FLOOR})",
     )  # fmt: skip
     group.add_argument(
         "--seed", type=like_field(messages.Seed), metavar="TEXT",

@@ -44,7 +44,7 @@ faults and other events, one a line:
   huge S          its streams send messages of 300 kB for S seconds
   radians S       wheel angles are in radians for S seconds
   magnet S        the encoder of the left wheel has no magnet for S seconds
-  centre N        the joystick takes an override of N for its centre (from then on)
+  centre N        from then on, the unit treats an override value of N as a centred joystick
   stick F T       the user deflects the joystick forward by F and to the left by T, in [-100, 100]
   wall M          the ultrasonic sensors see a point M metres ahead of the centre of movement; 0 for none
   edge            the encoder board restarts

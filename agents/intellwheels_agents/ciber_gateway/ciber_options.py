@@ -30,8 +30,9 @@ examples:
   without noise
       iw-ciber --option MotorNoise=0 --option Compass.NoiseDeg=0 --option Beacon.NoiseDeg=0 --obstacle-noise 0
 
-A unit of a lab is 1 m. Robots start at the places of the map that have no kind, or the kind robot. The Id that an
-agent asks for is the number of its place in their order. Beacons are the places of kind beacon, targets the zones.
+A unit of a lab is 1 m. Robots start at the places of the map that have no kind, or the kind robot. An agent that asks
+for the Id N starts at the N-th of these places, counted from 1; the Id 0 means any free one. Beacons are the places of
+kind beacon, targets the zones.
 A cycle is a tick, and lasts 50 ms with the simulator's default period. With a shorter period, use
 --option TopSpeed=V with V at least 0.15 m divided by the period in s; otherwise the largest powers are reduced.
 
@@ -84,8 +85,8 @@ def parser() -> argparse.ArgumentParser:
     robots.add_argument("--no-beacon", dest="beacon", action="store_false", help="robots have no sensors for beacons")
     robots.add_argument(
         "--beacon-height", type=number("metres", 0.01, 100.0), default=2.0, metavar="M",
-        help="height of the beacons in metres, in [0.01, 100], because a map does not store that of a lab; walls lower "
-        "than this do not hide them (default: 2)",
+        help="height of the beacons in metres, in [0.01, 100], needed as a map does not keep the heights of a lab file; "
+        "walls lower than this do not hide them (default: 2)",
     )  # fmt: skip
     robots.add_argument(
         "--obstacle-noise",

@@ -41,7 +41,7 @@ examples:
       iw-joystick chair1 --source sip-puff --signals hard-puff=w,hard-sip=s,soft-puff=d,soft-sip=a
   drive by the stream of a brain-computer interface, or of any device for Lab Streaming Layer
       iw-joystick chair1 --source lsl --stream-type EEG --axes forward=0,turn=1*-1 --commands stop=2
-  drive by voice, without a network: forward, reverse, left, right, stop
+  drive by voice, without a network; say forward, left, right, stop, or reverse (back is too easily misheard)
       iw-joystick chair1 --source voice
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt

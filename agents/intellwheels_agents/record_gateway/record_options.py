@@ -30,7 +30,7 @@ examples:
 A recording has the topics /tf, /scene, /wedges, /grid, /log, /AGENT/pose, /AGENT/truth, /AGENT/goal,
 /AGENT/scan/SENSOR and /AGENT/odometry/SENSOR for Foxglove, and every message of the world as JSON under /iw.
 Its time is simulated time, plus the time of day at which the recorder first saw the run; with --from it starts at 0.
-A bag has the topics of iw-ros for every chair, with /clock and /map, and the time of a recording. Play it with
+A bag has the topics of iw-ros for every chair, with /clock and /map, and the time stamps of a recording. Play it with
 `ros2 bag play run`; its readers need the parameter use_sim_time. It is complete only when iw-record has ended.
 Ticks whose state did not arrive are counted, and reported in /log and in the last line.
 

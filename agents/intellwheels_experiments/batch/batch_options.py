@@ -16,9 +16,9 @@ a batch's lines, where standard output is no terminal:
   progress  how many runs are done, and how long the rest will take, as hours:minutes:seconds
   row       succeeded, and low and high: the 95 % interval of the success rate (Wilson); died: runs that ended early;
             missing: runs that were not made
-  compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found says
-            whether the expectation holds: as-expected, otherwise, undecided (too few runs to tell), not-asked (there
-            is no expectation) or incomplete (runs are missing)
+  compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found is
+            `as-expected`, `otherwise` (the expectation does not hold), `undecided` (too few runs to tell), `not-asked`
+            (there is no expectation) or `incomplete` (runs are missing)
 """
 """What the lines mean, for the help of the command."""
 MOST_RUNS: Final = 100_000

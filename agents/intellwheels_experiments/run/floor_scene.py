@@ -29,10 +29,10 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--floor", "--map", metavar="MAP",
-        help="run a map in place of a scene: an included map, or a map file of any format (those of "
-        "other programs need the extra `floors`, `ifc` for .ifc, or none for a lab of Ciber-Rato); it has no agents "
-        f"without --doors, and runs for {FLOOR_SECONDS:g} s of simulated time or, with --view, until Ctrl-C; --listen "
-        "lets your agents join",
+        help="run a map in place of a scene: an included map, or a map file of any format (a floor plan made for "
+        "another program needs the extra `floors`, or `ifc` if it is .ifc; a lab file of Ciber-Rato needs none); it "
+        f"has no agents without --doors, and runs for {FLOOR_SECONDS:g} s of simulated time or, with --view, until "
+        "Ctrl-C; --listen lets your agents join",
     )  # fmt: skip
     parser.add_argument("--doors", action="store_true", help="with --floor: start an agent for each leaf of its doors")
 

@@ -72,7 +72,9 @@ def parser() -> argparse.ArgumentParser:
         "localhost, 127.0.0.1 and ::1 are always in it; may be repeated, and is remembered",
     )  # fmt: skip
     invite = action("invite", "write identity files, for --identity of any command")
-    renew = action("renew", "write identity files again, with a later end; an old file stays valid until its own end")
+    renew = action(
+        "renew", "write identity files again, with a later expiry date; old files are valid until they expire"
+    )
     revoke = action(
         "revoke",
         "give an identity another password: its old file is void from the next restart of iw-router on, and invite "

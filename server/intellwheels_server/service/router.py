@@ -68,7 +68,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--max-sessions", type=whole(1, 10_000), metavar="N",
         help="sessions that one certificate, or one address without certificates, may have at a time, in [1, 10000]; "
-        f"more are closed and reported (default: {MAX_SESSIONS}, and any number of this machine without certificates)",
+        f"more are closed and reported (default: {MAX_SESSIONS}; this machine without certificates: no limit)",
     )  # fmt: skip
     add_process_options(found)
     return found
