@@ -85,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
     robots.add_argument("--no-beacon", dest="beacon", action="store_false", help="robots have no sensors for beacons")
     robots.add_argument(
         "--beacon-height", type=number("metres", 0.01, 100.0), default=2.0, metavar="M",
-        help="height of the beacons in metres, in [0.01, 100], needed as a map does not keep the heights of a lab file; "
+        help="height of the beacons in metres, in [0.01, 100], needed as a map does not keep those of a lab file; "
         "walls lower than this do not hide them (default: 2)",
     )  # fmt: skip
     robots.add_argument(

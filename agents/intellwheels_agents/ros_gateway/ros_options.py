@@ -30,7 +30,8 @@ examples:
 A ROS node with rmw_zenoh connects to a router at tcp/localhost:7447. Through iw-router, nodes reach iw-ros but not each
 other. With several nodes that talk to each other, such as Nav2, start the router of ROS, rmw_zenohd, in its place.
 Either connect the simulator and iw-ros to this router (--connect of each), or connect iw-ros to the simulator with
---connect and to the router with --ros-connect. Nodes need the parameter use_sim_time. A `-` in a name becomes `_` in ROS.
+--connect and to the router with --ros-connect. Nodes need the parameter use_sim_time. A `-` in a name becomes `_` in
+ROS.
 
 Standard output has the lines `ready domain=...`, `joined agent=...`, `run agent=...`, `watching agent=...`,
 `left agent=...`.

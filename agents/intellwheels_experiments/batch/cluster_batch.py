@@ -62,12 +62,14 @@ class Task:
         row: The row.
         seeds: The seeds.
         version: The version of IntellWheels that sent the task.
+        files: What `batch_files` returned where the batch was started.
     """
 
     batch: Batch
     row: Row
     seeds: tuple[str, ...]
     version: str
+    files: dict[str, str]
 
 
 def run_on_cluster(batch: Batch, address: str, on_run: Callable[[StoredRun], None], stop: threading.Event) -> None:
@@ -108,6 +110,7 @@ class _Distribution:
         self._batch = batch
         self._on_run = on_run
         self._stop = stop
+        self._files = batch_files(batch)
         self._waiting: deque[tuple[Row, tuple[str, ...]]] = deque()
         self._sent: dict[str, tuple[Future[Any], Row, tuple[str, ...]]] = {}
         self._ended: queue.SimpleQueue[str] = queue.SimpleQueue()
@@ -129,7 +132,9 @@ class _Distribution:
         room = AHEAD * max(1, _slots(self._client))
         while self._waiting and len(self._sent) < room:
             row, seeds = self._waiting.popleft()
-            task = Task(batch=_portable(self._batch), row=row, seeds=seeds, version=version("intellwheels"))
+            task = Task(
+                batch=_portable(self._batch), row=row, seeds=seeds, version=version("intellwheels"), files=self._files
+            )  # fmt: skip
             key = f"intellwheels-{row.name}-{seeds[0]}-{uuid.uuid4().hex}"
             future = self._client.submit(make_runs, task, key=key, pure=False)
             self._sent[key] = (future, row, seeds)
@@ -170,10 +175,11 @@ def make_runs(task: Task) -> bytes:
         A compressed tar archive of `runs/ROW/SEED`.
 
     Raises:
-        RuntimeError: This worker has another version of IntellWheels, or the task was given up.
+        RuntimeError: This worker has another version of IntellWheels or other files, or the task was given up.
     """
-    if (own := version("intellwheels")) != task.version:
-        raise RuntimeError(f"expected version {task.version} of IntellWheels, got {own}")
+    # This worker may have come after the others were asked.
+    if lacks := inspect_worker(task.files, task.version):
+        raise RuntimeError(lacks)
     with _watched() as (folder, stop), tempfile.TemporaryDirectory(dir=folder, prefix="iw-batch-") as out:
         batch = replace(task.batch, out=Path(out))
         try:

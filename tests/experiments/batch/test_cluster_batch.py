@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -246,8 +247,23 @@ def test_other_address_is_refused(text: str) -> None:
 
 def test_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     assert "expected version 0.0.1 of IntellWheels, got" in inspect_worker({}, "0.0.1")
-    task = Task(batch=short_batch(tmp_path, "out"), row=short_batch(tmp_path, "out").rows[0], seeds=(), version="0.0.1")
+    task = Task(
+        batch=short_batch(tmp_path, "out"),
+        row=short_batch(tmp_path, "out").rows[0],
+        seeds=(),
+        version="0.0.1",
+        files={},
+    )
     with pytest.raises(RuntimeError, match=r"expected version 0\.0\.1"):
+        make_runs(task)
+
+
+def test_worker_that_came_later_and_lacks_a_file_says_so(tmp_path: Path) -> None:
+    batch = short_batch(tmp_path, "out")
+    files = batch_files(batch)
+    (tmp_path / "short.xml").unlink()
+    task = Task(batch=batch, row=batch.rows[0], seeds=("1",), version=version("intellwheels"), files=files)
+    with pytest.raises(RuntimeError, match=r"expected the file .*short\.xml as on this machine"):
         make_runs(task)
 
 
