@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import viser
 
+from intellwheels_viewer.drawings.building_colours import DAY, NIGHT
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
 from intellwheels_viewer.layer_visibility import LAYERS_KEY
 from intellwheels_viewer.panels.layers_panel import Layers
@@ -48,7 +49,7 @@ def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Op
     layering.draw_walls(SNAPSHOT, inside=False)
     drawn: list[object] = []
     assert layering._walls is not None
-    layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign, assignment]
+    layering._walls.show = lambda floor, height, _: drawn.append((floor, height))  # type: ignore[method-assign, assignment, misc]
     layering.draw_walls(replace(SNAPSHOT, revision=SNAPSHOT.revision + 1), inside=False)
     assert drawn == [(SNAPSHOT.floor, HALF_HEIGHT)]
 
@@ -65,8 +66,22 @@ def test_walls_between_the_camera_and_the_followed_are_cut_away(here: Opened) ->
     layering.draw_walls(SNAPSHOT, inside=False, cut=cut)
     assert layering._walls is not None
     drawn: list[object] = []
-    layering._walls.show = lambda floor, height=None: drawn.append(floor)  # type: ignore[method-assign, assignment]
+    layering._walls.show = lambda _, __, parts: drawn.append(parts)  # type: ignore[method-assign, assignment, misc]
     layering.draw_walls(SNAPSHOT, inside=False, cut=cut)
     assert drawn == []
     layering.draw_walls(SNAPSHOT, inside=False)
-    assert drawn == [floor]
+    assert drawn == [frozenset()]
+
+
+def test_the_building_has_the_theme_of_the_browser(here: Opened) -> None:
+    nodes = here.client.scene._handle_from_node_name
+    here.show(SNAPSHOT)
+    assert "/floor/plate" not in nodes, "the shared building has this theme"
+    here.page._window.choose("Dark")
+    here.show(SNAPSHOT)
+    plates = [nodes["/floor/plate"].color]
+    assert nodes["/walls/sides"].visible
+    here.page._window.choose("Light")
+    here.show(SNAPSHOT)
+    plates.append(nodes["/floor/plate"].color)
+    assert plates == [NIGHT.outside, DAY.outside]

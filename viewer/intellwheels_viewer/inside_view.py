@@ -25,14 +25,15 @@ class InsideView:
 
     Args:
         scene: That of the browser.
-        dark: Whether it has the colours of the dark theme.
+        dark: Whether it has the colours of the dark theme; it may change before `show`.
     """
 
     def __init__(self, scene: viser.SceneApi, *, dark: bool = False) -> None:
-        self._scene, self._colours = scene, colours_of(dark=dark)
+        self._scene = scene
+        self.dark = dark
         self._doors, self._cockpit = DoorTops(scene), Cockpit(scene)
         self._ceiling: viser.GlbHandle | None = None
-        self._ceiling_of = -1
+        self._ceiling_of = (-1, dark)
         self._blinds: tuple[int, float, Segments] = (-1, 0.0, np.zeros((0, 4)))
 
     def show(self, snapshot: Snapshot, entity: Entity | None, eye: Eye, *, full_walls: bool) -> list[Entity] | None:
@@ -65,9 +66,10 @@ class InsideView:
         return segments
 
     def _show_ceiling(self, snapshot: Snapshot, *, visible: bool) -> None:
-        if visible and snapshot.floor is not None and snapshot.revision != self._ceiling_of:
-            self._ceiling_of = snapshot.revision
-            made = ceiling(snapshot.floor, self._colours)
+        wanted = (snapshot.revision, self.dark)
+        if visible and snapshot.floor is not None and wanted != self._ceiling_of:
+            self._ceiling_of = wanted
+            made = ceiling(snapshot.floor, colours_of(dark=self.dark))
             if made:
                 self._ceiling = self._scene.add_glb("/ceiling", glb(made), cast_shadow=False, receive_shadow=False)
             elif self._ceiling is not None:

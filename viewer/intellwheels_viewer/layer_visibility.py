@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Final
 import viser
 
 from intellwheels_schemas.messages import Map
-from intellwheels_viewer.drawings.cut_away import cut_away, hidden, pieces_of
+from intellwheels_viewer.drawings.cut_away import hidden, pieces_of
 from intellwheels_viewer.drawings.extruded_walls import Walls
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.drawings.floor_plate import Floor
 from intellwheels_viewer.panels import layers_panel
 from intellwheels_viewer.panels.layers_panel import Layers
 from intellwheels_viewer.stage import LAYERS
@@ -29,22 +30,26 @@ class LayerVisibility:
 
     Args:
         client: The browser.
-        dark: Whether it has the colours of the dark theme.
+        dark: Whether the shared building has the colours of the dark theme.
 
     Attributes:
+        dark: Whether this browser's building has the colours of the dark theme; it may change.
         layers: The layers that are shown.
         hidden: The browser's own nodes by layer, for layers that were ever hidden.
     """
 
     def __init__(self, client: viser.ClientHandle, *, dark: bool = False) -> None:
-        self._client, self._dark = client, dark
+        self._client = client
+        self.dark = self._shared_dark = dark
         self._inside = False
         self.layers = layers_panel.from_json(_kept(client))
         self.hidden: dict[str, viser.FrameHandle] = {}
         # A recording has labels for a camera that is not this browser's, which has its own: see `own_drawings`.
         client.scene.add_frame("/labels", show_axes=False, visible=False)
+        self._floor: Floor | None = None
+        self._floor_of = (-1, dark)
         self._walls: Walls | None = None
-        self._walls_of: tuple[int, bool, frozenset[int]] = (-1, False, frozenset())
+        self._walls_of: tuple[int, bool, bool, frozenset[int]] = (-1, dark, False, frozenset())
         self._pieces_of, self._pieces = -1, pieces_of(Map(format="iw.v1", name="none"))
         self._hide()
 
@@ -76,15 +81,30 @@ class LayerVisibility:
         if inside != self._inside:
             self._inside = inside
             self._hide()
+        self._draw_floor(snapshot)
         whole = self.layers.full_walls or inside
-        wanted = (snapshot.revision, whole, cut)
-        if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole and not cut):
+        wanted = (snapshot.revision, self.dark, whole, cut)
+        is_shared = self._walls is None and not whole and not cut and self.dark == self._shared_dark
+        if snapshot.floor is None or wanted == self._walls_of or is_shared:
             return
         self._walls_of = wanted
         if self._walls is None:
-            self._walls = Walls(self._client.scene, dark=self._dark)
+            self._walls = Walls(self._client.scene)
         # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new map too.
-        self._walls.show(cut_away(snapshot.floor, cut), None if whole else HALF_HEIGHT)
+        self._walls.dark = self.dark
+        self._walls.show(snapshot.floor, None if whole else HALF_HEIGHT, cut)
+
+    def _draw_floor(self, snapshot: Snapshot) -> None:
+        """Draw the floor in the colours of this browser's theme, if the shared one has or had the other theme."""
+        wanted = (snapshot.revision, self.dark)
+        is_shared = self._floor is None and self.dark == self._shared_dark
+        if snapshot.floor is None or wanted == self._floor_of or is_shared:
+            return
+        self._floor_of = wanted
+        if self._floor is None:
+            self._floor = Floor(self._client.scene)
+        self._floor.dark = self.dark
+        self._floor.show(snapshot.floor)
 
     def _hide(self) -> None:
         for layer, node in LAYERS.items():

@@ -130,7 +130,7 @@ class Page:
     @property
     def view_state(self) -> tuple[object, ...]:
         """The choices of this browser that affect the drawing; a change redraws even a paused run."""
-        return self.selected, self.camera.mode, self._layers.layers, self.camera.turning
+        return self.selected, self.camera.mode, self._layers.layers, self.camera.turning, self._window.is_dark
 
     @property
     def shows_all_wedges(self) -> bool:
@@ -154,7 +154,7 @@ class Page:
         self._snapshot = snapshot
         selected = self.selected
         entity = None if selected is None else snapshot.entity(selected)
-        body = None if selected is None else snapshot.bodies.get(selected)
+        body = snapshot.bodies.get(selected or "")
         with self._client.atomic():
             layers, inside = self._layers.layers, entity if self.camera.mode == "first" else None
             # The own ring would be in the way of who looks down.
@@ -166,6 +166,7 @@ class Page:
             if snapshot.floor is not None and snapshot.revision != self._framed:
                 self._framed = snapshot.revision
                 self.camera.frame(snapshot.floor)
+            self._layers.dark = self._inside.dark = self._window.is_dark
             cut: frozenset[int] = frozenset()
             if self.camera.mode == "follow" and entity is not None and (picture := self.camera.picture) is not None:
                 cut = self._layers.hiding(snapshot, picture.position, entity)
@@ -377,8 +378,7 @@ class Page:
         elif act == "video":
             self._video.toggle()
         elif act == "link":
-            picture = self.camera.picture
-            eye, to = (None, None) if picture is None else (picture.position, picture.look_at)
+            eye, to = (None, None) if (picture := self.camera.picture) is None else (picture.position, picture.look_at)
             self._shell.copy_link(query_of(PageLink(self.camera.mode, self.selected, self._snapshot.tick, eye, to)))
             self._notify("Link copied", "It is also in the address bar: this camera, selection and tick.")
 

@@ -22,8 +22,6 @@ SHARE: Final = 0.38
 THEME_KEY: Final = "intellwheels.theme"
 SYSTEM: Final = "System"
 THEMES: Final = (SYSTEM, "Light", "Dark")
-DIM: Final = (1.05, 0.55)
-"""Intensity of the lights above a building with light colours in a dark page: sky and sun."""
 
 
 class PageWindow:
@@ -40,7 +38,7 @@ class PageWindow:
     def __init__(
         self, client: viser.ClientHandle, camera: Camera, side: viser.PanelHandle, *, dark: bool, theme: str | None
     ) -> None:
-        self._client, self._camera, self._side, self._always = client, camera, side, dark
+        self._client, self._camera, self._side = client, camera, side
         self.theme = theme if theme in THEMES else "Dark" if dark else SYSTEM
         self._system_dark = False
         self._dark: bool | None = None
@@ -97,10 +95,6 @@ class PageWindow:
                 brand_color=(45, 135, 210) if dark else (0, 90, 158),
             )
             scene.set_background_image(background(NIGHT if dark else SKY), format="png")
-            # The building is the same for all browsers. A dark page of a light one has less light.
-            sky, sun = DIM if dark and not self._always else (2.0, 1.2)
-            scene.add_light_hemisphere("/lights/sky", intensity=sky)
-            scene.add_light_directional("/lights/sun", intensity=sun, position=(-6.0, -9.0, 16.0), cast_shadow=True)
 
 
 def stored_theme(client: viser.ClientHandle) -> str | None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import msgspec
+import numpy as np
 import pytest
 
 from intellwheels_maps import library
@@ -11,7 +12,7 @@ from intellwheels_maps.plane_geometry import contains
 from intellwheels_schemas.messages import Obstacle
 from intellwheels_viewer.drawings.building_colours import DAY
 from intellwheels_viewer.drawings.rooms import rooms_of
-from intellwheels_viewer.drawings.windows import HEAD, SILL, places, windows
+from intellwheels_viewer.drawings.windows import HEAD, SILL, beside, places, windows
 
 ROOM, WARD = library.floor("room"), library.floor("ward")
 
@@ -47,6 +48,16 @@ def test_a_street_a_map_without_rooms_and_a_huge_one_have_none() -> None:
 
 
 def test_a_cut_window_is_a_strip_in_the_cap() -> None:
-    glass = windows(ROOM, None, DAY)[DAY.glass].vertices
+    glass = windows(places(ROOM), None, DAY)[DAY.glass].vertices
     assert (float(glass[:, 2].min()), float(glass[:, 2].max())) == pytest.approx((SILL, HEAD), abs=0.07)
-    assert float(windows(ROOM, 1.1, DAY)[DAY.glass].vertices[:, 2].max()) == pytest.approx(1.104, abs=0.002)
+    assert float(windows(places(ROOM), 1.1, DAY)[DAY.glass].vertices[:, 2].max()) == pytest.approx(1.104, abs=0.002)
+
+
+def test_a_window_goes_with_the_part_of_the_wall_that_is_cut_away() -> None:
+    found = list(places(ROOM))
+    x, y, heading, thick = found[0]
+    at = np.array([x - thick / 2 * np.cos(heading), y - thick / 2 * np.sin(heading)])
+    along = np.array([-np.sin(heading), np.cos(heading)])
+    gone = np.array([[*(at - 0.5 * along), *(at + 0.5 * along), 0.0, 2.5]])
+    assert beside(found, gone) == found[1:]
+    assert beside(found, gone[:0]) == found

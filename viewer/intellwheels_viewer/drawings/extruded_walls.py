@@ -19,6 +19,7 @@ from intellwheels_maps.check import wall_pieces
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.building_colours import BuildingColours, colours_of, dimmed
+from intellwheels_viewer.drawings.cut_away import cut_away, pieces_of
 from intellwheels_viewer.drawings.door_frames import fittings
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
 from intellwheels_viewer.drawings.furniture import Painted, furniture, merged
@@ -27,7 +28,7 @@ from intellwheels_viewer.drawings.polygons import Point, anticlockwise
 from intellwheels_viewer.drawings.rooms import DETAILED, is_outdoors
 from intellwheels_viewer.drawings.signs import signs
 from intellwheels_viewer.drawings.solids import Solid, join, prism, solid
-from intellwheels_viewer.drawings.windows import windows
+from intellwheels_viewer.drawings.windows import Place, beside, places, windows
 
 _CAP: Final = 0.025
 TALLER: Final = 0.25
@@ -137,18 +138,43 @@ class Walls:
 
     Args:
         scene: The shared scene, or that of one browser.
-        dark: Whether they have the colours of the dark theme.
+        dark: Whether they have the colours of the dark theme; it may change before `show`.
     """
 
     def __init__(self, scene: viser.SceneApi, *, dark: bool = False) -> None:
-        self._scene, self._colours = scene, colours_of(dark=dark)
+        self._scene = scene
+        self.dark = dark
         self._nodes: dict[str, viser.GlbHandle] = {}
+        self._shown: tuple[Map, float | None, bool] | None = None
+        self._windows: list[Place] = []
+        self._glazed: list[Place] = []
 
-    def show(self, map: Map, height: float | None = HALF_HEIGHT) -> None:  # noqa: A002  # the wire calls it so
-        """Show another map, its walls cut at a height in metres; None for full height."""
-        colours = self._colours
-        frames = painted(merged(fittings(map, height, colours), windows(map, height, colours)))
-        self._show("/walls/sides", [shaded(map, height, colours), frames], shadows=False)
+    def show(
+        self,
+        map: Map,  # noqa: A002  # the wire calls it so
+        height: float | None = HALF_HEIGHT,
+        parts: frozenset[int] = frozenset(),
+    ) -> None:
+        """Show another map, or cut other parts of its walls away.
+
+        Args:
+            map: The map.
+            height: Where its walls are cut, in metres; None for full height.
+            parts: Parts of walls that are cut away, see `cut_away`.
+        """
+        colours, before, wanted = colours_of(dark=self.dark), self._shown, (map, height, self.dark)
+        is_other = before is None or before[0] is not map or before[1:] != wanted[1:]
+        self._shown = wanted
+        self._show("/walls/sides", [shaded(cut_away(map, parts), height, colours)], shadows=False)
+        if before is None or before[0] is not map:
+            self._windows = list(places(map))
+        glazed = beside(self._windows, pieces_of(map)[sorted(parts)]) if parts else self._windows
+        if is_other or glazed != self._glazed:
+            self._glazed = glazed
+            self._show("/walls/windows", [painted(windows(glazed, height, colours))], shadows=False)
+        if not is_other:
+            return
+        self._show("/walls/frames", [painted(fittings(map, height, colours))], shadows=False)
         self._show("/walls/signs", signs(map, colours) if height is None else (), shadows=False)
         share = colours.furniture
         things = [({dimmed(rgb, share): thing}) for rgb, thing in obstacles(map, height).items()]

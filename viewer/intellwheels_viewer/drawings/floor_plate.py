@@ -159,16 +159,17 @@ class Floor:
 
     Args:
         scene: The shared scene, or that of one browser.
-        dark: Whether it has the colours of the dark theme.
+        dark: Whether it has the colours of the dark theme; it may change before `show`.
     """
 
     def __init__(self, scene: viser.SceneApi, *, dark: bool = False) -> None:
-        self._scene, self._colours = scene, colours_of(dark=dark)
+        self._scene = scene
+        self.dark = dark
         self._nodes: dict[str, viser.MeshHandle | viser.GlbHandle] = {}
 
     def show(self, map: Map) -> None:  # noqa: A002  # the wire calls it so
         """Show another map."""
-        colours = self._colours
+        colours = colours_of(dark=self.dark)
         under = plate(map)
         self._nodes["/floor/plate"] = self._scene.add_mesh_simple(
             "/floor/plate", under.vertices, under.faces, color=colours.outside, cast_shadow=False, receive_shadow=0.2

@@ -92,9 +92,9 @@ def legend() -> str:
         ("stale", f'{frame} opacity="0.35"/>', "faded: no news of a real one"),
     )
     cells = "".join(
-        f'<tr data-reality="{name}"><td style="width:46px;padding:1px 8px 1px 0">'
+        f'<tr data-reality="{name}"><td style="width:46px;padding:1px 8px 1px 0;border:0;text-align:left">'
         f'<svg width="44" height="22" viewBox="0 0 44 22" style="display:block">{shape}</svg></td>'
-        f'<td style="padding:1px 0">{words}</td></tr>'
+        f'<td style="padding:1px 0;border:0;text-align:left">{words}</td></tr>'
         for name, shape, words in rows
     )
     return f'<table style="border-collapse:collapse;font-size:13px;line-height:1.4">{cells}</table>'

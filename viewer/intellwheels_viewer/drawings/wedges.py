@@ -292,8 +292,9 @@ def _dashes(x: float, y: float, direction: float, cone: float, reach: float) -> 
 def legend() -> str:
     """Return a legend of the five states as HTML: a symbol and a description for each."""
     rows = "".join(
-        f'<tr data-state="{state}"><td style="width:46px;padding:1px 8px 1px 0">{_icon(state)}</td>'
-        f'<td style="padding:1px 0">{words}</td></tr>'
+        f'<tr data-state="{state}"><td style="width:46px;padding:1px 8px 1px 0;border:0;text-align:left">'
+        f"{_icon(state)}</td>"
+        f'<td style="padding:1px 0;border:0;text-align:left">{words}</td></tr>'
         for state, words in _WORDS.items()
     )
     return f'<table style="border-collapse:collapse;font-size:13px;line-height:1.4">{rows}</table>'

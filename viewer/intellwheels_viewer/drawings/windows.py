@@ -7,8 +7,11 @@ They are where a room is on one side of a wall and nothing on the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
 
 from intellwheels_maps.check import wall_pieces
 from intellwheels_maps.plane_geometry import contains
@@ -18,6 +21,8 @@ from intellwheels_viewer.drawings.furniture import Painted
 from intellwheels_viewer.drawings.polygons import Point, anticlockwise
 from intellwheels_viewer.drawings.rooms import Rooms, is_outdoors, rooms_of
 from intellwheels_viewer.drawings.solids import Solid, box, join
+
+Rows = npt.NDArray[np.float64]
 
 SILL: Final = 0.85
 HEAD: Final = 2.05
@@ -31,17 +36,21 @@ _MOST: Final = 1600
 """Maps with more corners of walls than this have no windows: looking for them takes too long."""
 
 
-def windows(floor: Map, height: float | None, colours: BuildingColours) -> Painted:
-    """Return all windows by colour.
+Place: TypeAlias = tuple[float, float, float, float]
+"""The middle of a window on the inner face of its wall, the heading into the room, and the wall's thickness."""
+
+
+def windows(found: Iterable[Place], height: float | None, colours: BuildingColours) -> Painted:
+    """Return windows by colour.
 
     Args:
-        floor: The map.
+        found: Where they are, see `places`.
         height: Where walls are cut, in metres; None for full height. In a cut wall a window is seen as a light strip.
         colours: Of the building.
     """
     frames: list[Solid] = []
     panes: list[Solid] = []
-    for x, y, heading, thick in places(floor):
+    for x, y, heading, thick in found:
         top = HEAD if height is None else min(HEAD, height + 0.002)
         for side in (0.0, thick):
             face = _PROUD if side == 0.0 else -_PROUD
@@ -65,8 +74,27 @@ def _halves(low: float, high: float, inset: float, top: float, heading: float, x
     return [box(low, high, y0, y1, SILL + inset, top).turned(heading).moved(x, y) for y0, y1 in spans]
 
 
-def places(floor: Map) -> Iterator[tuple[float, float, float, float]]:
-    """Yield the middle of each window on the inner face of its wall, the heading into the room, and the thickness."""
+def beside(found: Iterable[Place], gone: Rows) -> list[Place]:
+    """Return the windows in walls that stand.
+
+    Args:
+        found: Where windows are.
+        gone: Parts of walls that are cut away, shape (n, 4 or more): ends x, y, x, y in metres.
+    """
+    a, along = gone[:, :2], gone[:, 2:4] - gone[:, :2]
+    length = np.maximum(np.einsum("ij,ij->i", along, along), 1e-12)
+    kept = []
+    for place in found:
+        away = np.array(place[:2]) - a
+        share = np.clip(np.einsum("ij,ij->i", away, along) / length, 0.0, 1.0)
+        far = np.linalg.norm(away - share[:, None] * along, axis=1)
+        if not (far < WIDTH / 2).any():
+            kept.append(place)
+    return kept
+
+
+def places(floor: Map) -> Iterator[Place]:
+    """Yield the places of all windows of a map."""
     pieces = [anticlockwise(piece) for wall in floor.wall if wall.height >= HEAD for piece in wall_pieces(wall)]
     if is_outdoors(floor) or not floor.zone or sum(len(piece) for piece in pieces) > _MOST:
         return
