@@ -50,6 +50,7 @@ class OwnDrawings:
         self._picture, self._now = picture, now
         self._next = -SELDOM
         self.seen: list[Entity] | None = None
+        self._was_inside = False
 
     def draw(self, snapshot: Snapshot, selected: str | None, layers: Layers) -> None:
         """Draw the wedges of the selection and, if it is time, the labels. Once per drawn tick."""
@@ -64,6 +65,8 @@ class OwnDrawings:
         """Draw the labels, if it is time: with the bodies, and while the camera of a paused run moves."""
         self._frames[LABELS].visible = layers.labels
         now = self._now()
+        if self._was_inside != (self.seen is not None):
+            self._was_inside, self._next = self.seen is not None, now  # names behind walls go at once
         if not layers.labels or now < self._next or (picture := self._picture()) is None:
             return
         entities = snapshot.entities if self.seen is None else self.seen
