@@ -120,7 +120,7 @@ def _live(browser: Browser, folder: Path, log: Path) -> None:
         _select(page, "chair3")  # a slow one: in a picture of a run its ring is drawn a little later than it
         _picture(page)
         _press(page, "Resume")
-        page.get_by_text("Running", exact=True).wait_for()
+        page.get_by_test_id("clock").get_by_text("Running", exact=True).wait_for()
         _keep(_now(page), folder, "free")
 
 
