@@ -142,8 +142,8 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
     pose = result.add_argument_group("pose")
     pose.add_argument(
         "--pose", choices=POSE_SOURCES, default="raw", help="source of poses. raw: encoders and nominal dimensions; "
-        "calibrated: encoders and calibrated dimensions; corrected: as calibrated, plus position fixes; with rnet, which "
-        "has no encoders, the wheels' travel follows from the joystick and the speed setting (default: raw)",
+        "calibrated: encoders and calibrated dimensions; corrected: as calibrated, plus position fixes; with rnet, "
+        "which has no encoders, the wheels' travel follows from the joystick and the speed setting (default: raw)",
     )  # fmt: skip
     for name, meaning in (
         ("--wheel-ratio", "diameter of the right wheel over that of the left wheel (UMBmark's E_d)"),

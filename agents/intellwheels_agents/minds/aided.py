@@ -13,9 +13,9 @@ reduced, to 0 if necessary, and never reversed. It needs numpy: the extra `navig
 
 Ahead and behind, the clearance is increased so that the corners have room to turn in place. At each end it is at most
 0.085 m, `margin` included, or `margin` if that is more. A reading can be up to 0.02 m short. In the tests, with the
-default margin, the user can always drive up to 0.104 m from an obstacle, or closer. Driving straight away from an
-obstacle is always possible; turning away is not. A chair whose corners swing far beyond its front (mid-wheel,
-front-wheel) must first back up, and a chair that extends far behind its wheels cannot turn in place beside a wall.
+default margin, the user can always drive to within 0.104 m of an obstacle. Driving straight away from an obstacle is
+always possible; turning away is not. A chair whose corners swing far beyond its front (mid-wheel, front-wheel) must
+first back up, and a chair that extends far behind its wheels cannot turn in place beside a wall.
 
 It cannot see what no sensor sees: anything behind a robot without rear sensors, anything above or below the sensors,
 and anything that has been between two cones ever since the run began. The mind adds two narrow cones ahead to the
