@@ -193,8 +193,8 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--switch-keys", type=_switch_keys, default=DEFAULT_KEYS, metavar="KEY,KEY",
-        help="with scan: the keys of switches 1 and 2, or of the only one; each is a character, space, enter, tab, or the "
-        "name of an arrow key: up, down, left or right (default: space,enter)",
+        help="with scan: the keys of switches 1 and 2, or of the only one; each is a character, space, enter, tab, or "
+        "the name of an arrow key: up, down, left or right (default: space,enter)",
     )  # fmt: skip
     group.add_argument(
         "--signals", type=_signals, default=DEFAULT_SIGNALS, metavar="SIGNAL=KEY,...",
