@@ -21,8 +21,8 @@ from intellwheels_schemas.names import is_name
 PREFIX: Final = "/user/"
 REPEAT_EVERY: Final = 0.1
 """Seconds between repeats: the simulator stops a chair after 0.3 s without input."""
-AGAIN: Final = 0.5
-"""Seconds after which what a page subscribed to is sent once more."""
+AGAIN: Final = (0.5, 2.0, 8.0)
+"""Seconds after which what a page subscribed to is sent again: the server of a busy machine may serve it late."""
 ROOM: Final = 256
 """Inputs that wait; older ones are dropped."""
 
@@ -40,7 +40,7 @@ class PublishPanel:
         self._topics: dict[tuple[int, int], str] = {}
         self._arrived: deque[tuple[str, bytes]] = deque(maxlen=ROOM)
         self._subscribed: deque[str] = deque(maxlen=4 * ROOM)
-        self._again: dict[str, float] = {}
+        self._again: dict[str, list[float]] = {}
         self._held: dict[str, tuple[UserInput, float]] = {}
         self._due = 0.0
 
@@ -72,7 +72,7 @@ class PublishPanel:
     # ------------------------------------------------------------ called by the loop
 
     def subscribed(self, now: float) -> list[str]:
-        """Return the topics that pages have subscribed to since the last call, and each once more a little later.
+        """Return the topics that pages have subscribed to since the last call, and each again after `AGAIN`.
 
         The server may call back before it serves the subscription: what is sent at once may reach nobody.
 
@@ -82,10 +82,11 @@ class PublishPanel:
         with self._lock:
             found = list(dict.fromkeys(self._subscribed))
             self._subscribed.clear()
-        due = [topic for topic, at in self._again.items() if now >= at]
+        due = [topic for topic, times in self._again.items() if now >= times[0]]
         for topic in due:
-            del self._again[topic]
-        self._again.update(dict.fromkeys(found, now + AGAIN))
+            self._again[topic] = [at for at in self._again[topic] if now < at]
+        self._again |= {topic: [now + after for after in AGAIN] for topic in found}
+        self._again = {topic: times for topic, times in self._again.items() if times}
         return list(dict.fromkeys([*found, *due]))
 
     def inputs(self, robots: Mapping[str, Robot], now: float) -> tuple[list[tuple[str, UserInput]], list[str]]:
