@@ -112,6 +112,8 @@ class Screen:
         self.page.goto(f"{url}/?fixedDpr={SHARPNESS}")
         self.wait(lambda: self.poses() or None, "bodies in the scene", OPENING)
         took = time.monotonic() - begun
+        # Keys pressed before the page listens would be lost.
+        self.wait(lambda: self.page.evaluate("Boolean(window.__iwKeys)") or None, "a page that listens to keys", OPENING)
         self.clear()
         return took
 
