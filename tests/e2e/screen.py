@@ -113,7 +113,7 @@ class Screen:
         self.wait(lambda: self.poses() or None, "bodies in the scene", OPENING)
         took = time.monotonic() - begun
         # Keys pressed before the page listens would be lost.
-        self.wait(lambda: self.page.evaluate("Boolean(window.__iwKeys)") or None, "a page that listens to keys", OPENING)
+        self.wait(lambda: self.page.evaluate("Boolean(window.__iwKeys)") or None, "a page with keys", OPENING)
         self.clear()
         return took
 
