@@ -20,6 +20,7 @@ import shlex
 import tarfile
 import tempfile
 import threading
+import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -42,7 +43,9 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 CONNECT_LIMIT: Final = 15.0
-"""Seconds for the scheduler to answer."""
+"""Seconds for the scheduler to answer, and for all workers to say what they have."""
+RESULT_LIMIT: Final = 120.0
+"""Seconds for a worker to hand over the files of its runs."""
 AHEAD: Final = 2
 """Tasks that are sent for each run that the cluster can make at a time. More would only fill the scheduler's memory."""
 INTERVAL: Final = 0.2
@@ -159,7 +162,12 @@ class _Distribution:
             return
         if error is not None:
             raise ClusterError(f"a worker of {self._address} failed: {type(error).__name__}: {error}") from error
-        for run in _unpack(future.result(), self._batch.out, row, seeds):
+        try:
+            archive = future.result(timeout=RESULT_LIMIT)
+        except TimeoutError as late:
+            text = f"a worker of {self._address} did not hand over its runs within {RESULT_LIMIT:g} s"
+            raise ClusterError(text) from late
+        for run in _unpack(archive, self._batch.out, row, seeds):
             self._on_run(run)
         future.release()
 
@@ -253,7 +261,7 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
             said = True
         if stop.wait(INTERVAL):
             return ""
-    asked: dict[str, Any] = client.run(inspect_worker, batch_files(batch), version("intellwheels"), on_error="return")
+    asked = _ask_workers(client, batch, stop)
     for worker, answer in sorted(asked.items()):
         if isinstance(answer, ModuleNotFoundError):
             answer = f"expected IntellWheels with the extra cluster, got none ({answer})"  # noqa: PLW2901
@@ -262,6 +270,31 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
     threads = client.nthreads()
     noun = "worker" if len(threads) == 1 else "workers"
     return f"cluster {address}: {len(threads)} {noun}, {sum(threads.values())} runs at a time"
+
+
+def _ask_workers(client: Client, batch: Batch, stop: threading.Event) -> dict[str, Any]:
+    """Return what each worker lacks, or the exception that asking it raised; nothing if `stop` was set.
+
+    Raises:
+        WireError: A worker does not answer.
+    """
+    answers: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+    files, own = batch_files(batch), version("intellwheels")
+
+    def ask() -> None:
+        with suppress(Exception):  # the client is closed meanwhile
+            answers.put(client.run(inspect_worker, files, own, on_error="return"))
+
+    # In a thread, since Dask waits for a frozen worker without end.
+    threading.Thread(target=ask, name="ask-workers", daemon=True).start()
+    deadline = time.monotonic() + CONNECT_LIMIT
+    while time.monotonic() < deadline and not stop.is_set():
+        with suppress(queue.Empty):
+            return answers.get(timeout=INTERVAL)
+    if stop.is_set():
+        return {}
+    text = f"--cluster: expected an answer of each worker within {CONNECT_LIMIT:g} s, got none of at least one"
+    raise WireError("value", text, "--cluster")
 
 
 def batch_files(batch: Batch) -> dict[str, str]:

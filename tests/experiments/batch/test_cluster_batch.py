@@ -293,7 +293,9 @@ class Ended:
         assert isinstance(self.outcome, Exception)
         return self.outcome
 
-    def result(self) -> Any:
+    def result(self, timeout: float) -> Any:
+        if self.outcome is None:
+            raise TimeoutError
         return self.outcome
 
     def release(self) -> None:
@@ -364,6 +366,37 @@ def test_seeds_of_a_task_that_kills_workers_are_tried_one_by_one(tmp_path: Path)
 def test_worker_that_fails_ends_the_batch_with_the_reason(tmp_path: Path) -> None:
     with pytest.raises(ClusterError, match=r"a worker of tcp://head:1 failed: OSError: no space left"):
         perform(Client(lambda task: OSError("no space left")), short_batch(tmp_path, "out"))
+
+
+def test_worker_that_keeps_its_runs_ends_the_batch_in_words(tmp_path: Path) -> None:
+    with pytest.raises(ClusterError, match=r"a worker of tcp://head:1 did not hand over its runs within 120 s"):
+        perform(Client(lambda task: None), short_batch(tmp_path, "out"))
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_worker_that_does_not_answer_ends_the_wait(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stopped: bool
+) -> None:
+    monkeypatch.setattr(cluster_batch, "CONNECT_LIMIT", 0.05)
+    monkeypatch.setattr(cluster_batch, "INTERVAL", 0.01)
+    thaw, stop = threading.Event(), threading.Event()
+
+    class Frozen(Client):
+        def run(self, *_: Any, **__: Any) -> dict[str, str]:
+            thaw.wait()
+            return {}
+
+    if stopped:
+        stop.set()
+    frozen: Any = Frozen(None)
+    try:
+        if stopped:
+            assert cluster_batch._ask_workers(frozen, short_batch(tmp_path, "out"), stop) == {}
+        else:
+            with pytest.raises(WireError, match=r"--cluster: expected an answer of each worker within 0\.05 s"):
+                cluster_batch._ask_workers(frozen, short_batch(tmp_path, "out"), stop)
+    finally:
+        thaw.set()
 
 
 def test_words_of_a_command_are_among_the_files(tmp_path: Path) -> None:
