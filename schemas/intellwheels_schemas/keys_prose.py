@@ -125,12 +125,12 @@ only for `take`. The router drops what is longer than the [limits](#limits). It 
 would drop honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of
 another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
 
-The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick;
-user input of an agent counts apart. Further ones are dropped with the Error `too-many`. Of each key it keeps 128
-messages a tick at most, and of all keys whose agents are not there 256. It answers queries between ticks: up to 2,048
-wait for each key. It reports what finds no room. To drop a message costs it some microseconds all the same, and others
-share the way from the router: while a program sends tens of thousands a second, ticks and commands of others may be
-late, and commands may be lost.
+The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick; user
+input of an agent counts apart, and a crew counts as one agent. Further ones are dropped with the Error `too-many`. Of
+each key it keeps 128 messages a tick at most, and of all keys whose agents are not there 256. It answers queries
+between ticks: up to 2,048 wait for each key. It reports what finds no room. To drop a message costs it some
+microseconds all the same, and others share the way from the router: while a program sends tens of thousands a second,
+ticks and commands of others may be late, and commands may be lost.
 
 """
 
