@@ -13,7 +13,7 @@ from intellwheels_server.service import inbound
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.command_ages import has_command
 from intellwheels_server.service.crews import Crew
-from intellwheels_server.service.error_replies import DELETED, Fault
+from intellwheels_server.service.error_replies import DELETED, Fault, flooding
 from intellwheels_server.service.outbound import send_crew_error, send_error
 from intellwheels_server.service.service_state import ServiceState
 
@@ -27,7 +27,7 @@ def take_crew_put(service: ServiceState, put: Put, now: float) -> None:
     fault: Fault | None = None
     # No agent's name has a slash.
     if not service.message_limit.admit(f"crew/{name}", service.run.state.tick, now):
-        fault = Fault("too-many", "CrewActions: expected fewer messages a second")
+        fault = flooding("CrewActions")
     elif put.size > len(put.data):
         fault = Fault("too-long", f"CrewActions: expected fewer bytes, got {put.size}")
     elif (crew := service.agents.crews.named.get(name)) is None:

@@ -42,6 +42,12 @@ class Fault(NamedTuple):
     seq: int | None = None
 
 
+def flooding(kind: str) -> Fault:
+    """Return the fault of a message beyond `MessageLimit`; `kind` is the kind of the message, for people."""
+    limit = f"at most {MESSAGE_BURST:g} messages in a row, then {MESSAGE_RATE:g} a second"
+    return Fault("too-many", f"{kind}: expected {limit} and {MESSAGES_PER_TICK:g} more for each tick, got another")
+
+
 DELETED: Final = Fault("deleted", "an operator deleted the body of this agent; to join again, start its program again")
 """What an agent is told when its body was deleted, and when it goes on sending."""
 

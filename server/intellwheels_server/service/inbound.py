@@ -21,7 +21,7 @@ from intellwheels_server.service import leaving
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import Answered, AnswerKind
 from intellwheels_server.service.command_ages import has_command
-from intellwheels_server.service.error_replies import DELETED, Fault
+from intellwheels_server.service.error_replies import DELETED, Fault, flooding
 from intellwheels_server.service.input_latch import check_time
 from intellwheels_server.service.outbound import send_error, send_unasked_error
 from intellwheels_server.service.pacing import Pacing
@@ -42,7 +42,7 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
     # A user who floods must not use up what the agent itself may send. No agent's name has a slash.
     sender = agent if kind != "user" else f"user/{agent}"
     if not service.message_limit.admit(sender, service.run.state.tick, now):
-        send_error(service, agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
+        send_error(service, agent, flooding(kind), now)
         return
     if put.size > len(put.data):
         send_error(service, agent, Fault("too-long", f"{kind}: expected fewer bytes, got {put.size}"), now)

@@ -1,6 +1,13 @@
 from __future__ import annotations
 
-from intellwheels_server.service.error_replies import ERROR_BURST, STRANGERS, Bucket, ErrorLimit, MessageLimit
+from intellwheels_server.service.error_replies import (
+    ERROR_BURST,
+    STRANGERS,
+    Bucket,
+    ErrorLimit,
+    MessageLimit,
+    flooding,
+)
 
 
 def test_next_reply_counts_the_suppressed_ones() -> None:
@@ -37,3 +44,12 @@ def test_flood_is_limited_and_fast_lockstep_is_not() -> None:
     assert sum(limit.admit("flood", 7, 0.0) for _ in range(10_000)) == 64
     # 5,000 ticks a second with two messages each: more than the rate, but never more than a tick allows.
     assert all(limit.admit("fast", k // 2, k / 10_000) for k in range(10_000))
+
+
+def test_flood_is_told_its_limit() -> None:
+    assert flooding("actions") == (
+        "too-many",
+        "actions: expected at most 64 messages in a row, then 400 a second and 4 more for each tick, got another",
+        None,
+        None,
+    )
