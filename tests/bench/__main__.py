@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tests.bench import (
+    beside,
     bystanders,
     ciber,
     crews,
@@ -23,7 +24,7 @@ from tests.bench import (
     viewer,
     worlds,
 )  # fmt: skip
-from tests.bench.rows import append, show
+from tests.bench.rows import Row, append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
@@ -56,45 +57,62 @@ def main() -> None:
         "--csv", type=Path, default=Path(__file__).parent / "results.csv", metavar="FILE",
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
+    parser.add_argument(
+        "--beside",
+        metavar="COMMIT",
+        help="run each benchmark of this commit too, right after the checkout's, and print the ratios",
+    )
     options = parser.parse_args()
-    wanted = options.benches or list(DEFAULT)
-    rows = []
-    if "tick" in wanted:
-        rows += tick.bench((1, 10), quick=True) if options.quick else tick.bench()
-    if "network" in wanted:
-        rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
-    if "crews" in wanted:
-        rows += crews.bench(seconds=1.0, small=True) if options.quick else crews.bench()
-    if "viewer" in wanted:
-        rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
-    if "loads" in wanted:
-        rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
-    if "imports" in wanted:
-        rows += imports.bench(side=200) if options.quick else imports.bench()
-    if "inputs" in wanted:
-        rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
-    if "joins" in wanted:
-        rows += joins.bench((3,)) if options.quick else joins.bench()
-    if "ros" in wanted:
-        rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
-    if "record" in wanted:
-        rows += record.bench(rounds=20) if options.quick else record.bench()
-    if "ciber" in wanted:
-        rows += ciber.bench(rounds=20, seconds=0.0) if options.quick else ciber.bench()
-    if "drivers" in wanted:
-        rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
-    if "learning" in wanted:
-        rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
-    if "lab" in wanted:
-        short = {"sessions": 2, "ticks": 10, "rounds": 1}
-        rows += lab.bench((2,), ("rules", lab.FLOOD), **short, settle=0.2) if options.quick else lab.bench()
-    if "worlds" in wanted:
-        rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
-    if "bystanders" in wanted:
-        quick = {"chairs": 2, "count": 1, "pages": 2}
-        rows += bystanders.bench(**quick, seconds=0.3, settle=0.3) if options.quick else bystanders.bench()
+    if options.beside:
+        for one in options.benches or DEFAULT:
+            rows = run([one], quick=options.quick)
+            others = beside.rows_of(options.beside, one, quick=options.quick)
+            show([*rows, *beside.ratios(rows, others)])
+            append(rows, options.csv)
+            append(others, options.csv, options.beside)
+        return
+    rows = run(options.benches or list(DEFAULT), quick=options.quick)
     show(rows)
     append(rows, options.csv)
+
+
+def run(wanted: list[str], *, quick: bool) -> list[Row]:
+    """Return the rows of the named benchmarks."""
+    rows: list[Row] = []
+    if "tick" in wanted:
+        rows += tick.bench((1, 10), quick=True) if quick else tick.bench()
+    if "network" in wanted:
+        rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if quick else network.bench()
+    if "crews" in wanted:
+        rows += crews.bench(seconds=1.0, small=True) if quick else crews.bench()
+    if "viewer" in wanted:
+        rows += viewer.bench((2,), seconds=1.0, settle=2.0) if quick else viewer.bench()
+    if "loads" in wanted:
+        rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if quick else loads.bench()
+    if "imports" in wanted:
+        rows += imports.bench(side=200) if quick else imports.bench()
+    if "inputs" in wanted:
+        rows += inputs.bench(rounds=3) if quick else inputs.bench()
+    if "joins" in wanted:
+        rows += joins.bench((3,)) if quick else joins.bench()
+    if "ros" in wanted:
+        rows += ros.bench(rounds=5, seconds=1.0) if quick else ros.bench()
+    if "record" in wanted:
+        rows += record.bench(rounds=20) if quick else record.bench()
+    if "ciber" in wanted:
+        rows += ciber.bench(rounds=20, seconds=0.0) if quick else ciber.bench()
+    if "drivers" in wanted:
+        rows += drivers.bench(rounds=50, powers=4) if quick else drivers.bench()
+    if "learning" in wanted:
+        rows += learning.bench(steps=8, rounds=2) if quick else learning.bench()
+    if "lab" in wanted:
+        few = ("rules", lab.FLOOD)
+        rows += lab.bench((2,), few, sessions=2, ticks=10, rounds=1, settle=0.2) if quick else lab.bench()
+    if "worlds" in wanted:
+        rows += worlds.bench((1, 10), rounds=2) if quick else worlds.bench()
+    if "bystanders" in wanted:
+        rows += bystanders.bench(chairs=2, count=1, pages=2, seconds=0.3, settle=0.3) if quick else bystanders.bench()
+    return rows
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ def bench(*, seconds: float = 60.0, small: bool = False) -> list[Row]:
     rows = []
     for chairs, crews, goal in ((4, 2, ""),) if small else ((1000, 4, "<= 12"), (5000, 20, "<= 45")):
         floor = hospitals(-(-chairs // PLAN_PLACES))
-        _, late, cpu, ticks = measure(
+        found = measure(
             "intellwheels_server",
             "realtime",
             chairs,
@@ -51,6 +51,7 @@ def bench(*, seconds: float = 60.0, small: bool = False) -> list[Row]:
             more=("--world-rays", str(RAYS)),
         )
         case = f"{chairs} chairs in {crews} crews, 20 Hz"
-        rows.append(Row("crews", case, "late ticks", 100.0 * late / ticks, "%", "<= 0.1"))
-        rows.append(Row("crews", case, "CPU of the simulator", 100.0 * cpu, "% of a core", goal))
+        rows.append(Row("crews", case, "late ticks", 100.0 * found.late / max(1, found.ticks), "%", "<= 0.1"))
+        rows.append(Row("crews", case, "CPU of the simulator", 100.0 * found.cpu, "% of a core", goal))
+        rows.append(Row("crews", case, "memory of the simulator", found.memory, "MiB"))
     return rows

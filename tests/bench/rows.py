@@ -55,8 +55,8 @@ def commit() -> str:
     return (git("rev-parse", "--short", "HEAD") or "none") + ("+" if changed else "")
 
 
-def append(rows: list[Row], file: Path) -> None:
-    """Append rows to the CSV file, with its head if it is new."""
+def append(rows: list[Row], file: Path, of: str = "") -> None:
+    """Append rows of a commit to the CSV file, by default those of the checkout's; with its head if it is new."""
     new = not file.exists()
     load = f"{os.getloadavg()[0]:.2f}"
     with file.open("a", newline="") as stream:
@@ -65,7 +65,7 @@ def append(rows: list[Row], file: Path) -> None:
             writer.writerow(HEAD)
         for row in rows:
             known = [f"{value:.4g}" if isinstance(value, float) else value for value in astuple(row)]
-            writer.writerow([machine(), commit(), load, *known])
+            writer.writerow([machine(), of or commit(), load, *known])
 
 
 def show(rows: list[Row]) -> None:

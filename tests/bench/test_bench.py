@@ -1,10 +1,12 @@
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests.bench import beside
 from tests.bench.rows import HEAD, Row, append, show
 
 
@@ -18,6 +20,30 @@ def test_rows_are_appended_below_one_head(tmp_path: Path, capsys: pytest.Capture
     assert [line[3:] for line in rows[1:]] == [["tick", "1 bodies", "step", "1.235", "µs/body", "<= 10"]] * 3
     show([row])
     assert "1.235 µs/body   goal <= 10" in capsys.readouterr().out
+
+
+@pytest.mark.process
+def test_rows_of_another_commit_are_measured_in_a_checkout_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = tmp_path / "tests" / "bench"
+    bench.mkdir(parents=True)
+    (bench / "tick.py").touch()
+    (bench / "__main__.py").write_text(
+        f"import sys\nopen(sys.argv[3], 'w').write('{','.join(HEAD)}\\nm,c,0,tick,1 bodies,step,4.0,µs,\\n')"
+    )
+    names = dict.fromkeys(("GIT_AUTHOR_NAME", "GIT_COMMITTER_NAME"), "nobody")
+    mails = dict.fromkeys(("GIT_AUTHOR_EMAIL", "GIT_COMMITTER_EMAIL"), "nobody@localhost")
+    for words in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "first"]):
+        subprocess.run(["git", *words], cwd=tmp_path, env={**os.environ, **names, **mails}, timeout=60, check=True)
+    monkeypatch.setattr(beside, "ROOT", tmp_path)
+    others = beside.rows_of("HEAD", "tick")
+    assert others == [Row("tick", "1 bodies", "step", 4.0, "µs")]
+    assert beside.rows_of("HEAD", "crews") == []
+    now = [Row("tick", "1 bodies", "step", 2.0, "µs"), Row("tick", "1 bodies", "sense", 2.0, "µs")]
+    assert beside.ratios(now, others) == [Row("tick", "1 bodies", "step", 0.5, "of the other")]
+    with pytest.raises(RuntimeError, match="expected exit code 0 of git worktree add"):
+        beside.rows_of("no-such-commit", "tick")
 
 
 @pytest.mark.process
