@@ -6,7 +6,6 @@ from typing import Any, cast
 
 import pytest
 
-from intellwheels_viewer import page_notices
 from intellwheels_viewer.page_notices import REFUSED, PageNotices
 
 
@@ -20,7 +19,7 @@ class _Client:
 
 def test_a_refusal_is_shown_once_until_it_has_gone(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 100.0
-    monkeypatch.setattr(page_notices.time, "monotonic", lambda: now)
+    monkeypatch.setattr("intellwheels_viewer.page_notices.time.monotonic", lambda: now)
     client = _Client()
     notices = PageNotices(cast("Any", client))
     for _ in range(3):
