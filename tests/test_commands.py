@@ -48,7 +48,8 @@ def test_wrong_usage_ends_with_2(name: str, capsys: pytest.CaptureFixture[str]) 
 
 
 def test_every_command_is_one_of_iw_and_in_the_readme() -> None:
-    assert set(SCRIPTS) == {"iw", *(f"iw-{name}" for name in COMMANDS)}
+    known = {"iw", *(f"iw-{name}" for name in COMMANDS)}
+    assert set(SCRIPTS) == known, "pyproject.toml has changed: run pip install -e '.[test]' again"
     readme = (ROOT / "README.md").read_text()
     assert [name for name in SCRIPTS if name not in readme] == []
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from intellwheels_schemas.channels import CHANNELS
 from tests.every_case import every_case
 
 ROOT = Path(__file__).parent.parent
@@ -69,6 +70,11 @@ def test_names_stand_in_the_sources() -> None:
         if not {word, snake} & words():
             lacking.append(name)
     assert lacking == []
+
+
+@every_case("key", [channel.key for channel in CHANNELS.values()])
+def test_every_key_has_its_files(key: str) -> None:
+    assert f"`{key}`" in TEXT
 
 
 @every_case("module", sorted(set(re.findall(r"python -m ([\w.]+)", TEXT))))

@@ -185,11 +185,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     over = threading.Event()
     over.set()
-    stand_ins = (firmware_stand_in, luci_stand_in, rnet_stand_in)
-    for module in (agent, bridge, check_agent, ciber, *stand_ins, joystick, ros, router, run, server, viewer):
-        # Signals are not what is tested, and each call would leave a thread behind.
-        monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
-    monkeypatch.setattr(record, "stop_on_signals", lambda *_: over)
+    for command in COMMANDS.values():
+        module = sys.modules[command.main.__module__]
+        if hasattr(module, "stop_on_signals"):
+            # Signals are not what is tested, and each call would leave a thread behind.
+            monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
     return tmp_path
 
 

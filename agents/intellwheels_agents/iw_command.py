@@ -11,8 +11,10 @@ import ast
 import importlib
 import sys
 from collections.abc import Callable, Sequence
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
 
 import shtab
 
@@ -25,24 +27,39 @@ from intellwheels_schemas.messages import Place
 from intellwheels_schemas.process import printing
 from intellwheels_schemas.version import add_version_option
 
-COMMANDS = {
-    "run": "run a scene, an experiment with many seeds, or a what-if run",
-    "server": "a simulated world on the network; run, play or check an input log",
-    "agent": "one agent: a body and the mind that drives it",
-    "viewer": "the web page of a world",
-    "record": "record a world to MCAP, or show it live to Foxglove",
-    "joystick": "drive a chair by hand",
-    "bridge": "put a real chair into a simulation",
-    "ros": "show a world to ROS 2 nodes, and let them drive a chair",
-    "ciber": "let agents and viewers of the Ciber-Rato simulator take part in a world",
-    "check-agent": "check a program in any language against the contract",
-    "router": "the router where simulators and agents meet",
-    "lab": "passwords and identity files for those who share a router",
-}
-"""The commands and what they do; `iw NAME` is `iw-NAME`."""
+_PREFIX = "iw-"
+_ORDER = ("run", "server", "agent", "viewer", "record", "joystick", "bridge")
+"""The commands that the help names first; the others follow by name."""
+
+
+def _found_commands() -> dict[str, EntryPoint]:
+    found = {
+        point.name.removeprefix(_PREFIX): point
+        for point in entry_points(group="console_scripts")
+        if point.name.startswith(_PREFIX) and point.module.startswith("intellwheels_")
+    }
+    return {name: found[name] for name in [*(name for name in _ORDER if name in found), *sorted(found)]}
+
+
+def about(module: str) -> str:
+    """Return what a command does: the first line of the docstring of its module, behind the command's name.
+
+    The module is not imported: it may need an extra.
+    """
+    package, *names = module.split(".")
+    spec = find_spec(package)
+    folder = Path(next(iter(spec.submodule_search_locations or ()), "")) if spec is not None else Path()
+    path = folder.joinpath(*names)
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    with file.open(encoding="utf-8") as lines:
+        return lines.readline().strip().strip('"').partition("`: ")[2].rstrip(".")
+
+
+_POINTS = _found_commands()
+COMMANDS = {name: about(point.module) for name, point in _POINTS.items()}
+"""The commands and what they do; `iw NAME` is `iw-NAME`. They are the entry points of the installed distribution."""
 
 KINDS = ("floors", "maps", "robots", "scenes", "minds", "places")
-_PREFIX = "iw-"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -91,8 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _list(words[1:]) if name == "list" else _completion(words[1:])
         return 0
     sys.argv[0] = f"{_PREFIX}{name}"
-    (point,) = entry_points(group="console_scripts", name=f"{_PREFIX}{name}")
-    command: Callable[[Sequence[str]], int] = point.load()
+    command: Callable[[Sequence[str]], int] = _POINTS[name].load()
     return command(words[1:])
 
 
@@ -164,12 +180,8 @@ def _completion(words: Sequence[str]) -> int:
     shell = wanted.parse_args(words).shell
     whole = argparse.ArgumentParser(prog="iw")
     below = whole.add_subparsers()
-    for point in entry_points(group="console_scripts"):
-        if not point.name.startswith(_PREFIX):
-            continue
-        found = _parser_of(point.module)
-        name = point.name.removeprefix(_PREFIX)
-        below.add_parser(name, parents=[found], add_help=False, help=COMMANDS.get(name, ""))
+    for name, point in _POINTS.items():
+        below.add_parser(name, parents=[_parser_of(point.module)], add_help=False, help=COMMANDS[name])
     listing = below.add_parser("list", help="what is included")
     listing.add_argument("kind", choices=KINDS)
     print(shtab.complete(whole, shell=shell))

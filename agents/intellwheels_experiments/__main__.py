@@ -1,4 +1,7 @@
-"""`iw-run`: runs a scene with one command. It starts the processes of the scene and ends them."""
+"""`iw-run`: runs a scene, an experiment with many seeds, or a what-if run.
+
+It starts the processes of a scene and ends them.
+"""
 
 from __future__ import annotations
 

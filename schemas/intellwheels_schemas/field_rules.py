@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from typing import Any, Final, NamedTuple
 
+from intellwheels_schemas.lab_rules import LAB_ROLES, NAMES_AGENTS, NO_AGENTS
 from intellwheels_schemas.messages import (
     Compare,
     CrewJoin,
+    LabRole,
     LidarReading,
     Load,
     May,
@@ -32,6 +34,10 @@ _ONE_PART: Final = ("Length", "Width", "Center", "Top")
 
 def _wires(cls: type[Record], names: tuple[str, ...]) -> list[str]:
     return [member.wire for member in shape_of(cls).members if member.name in names]
+
+
+def _in_order(roles: frozenset[LabRole]) -> list[str]:
+    return [role for role in LAB_ROLES if role in roles]
 
 
 _KINDS: Final = _wires(Robot, tuple(SENSOR_RECORDS))
@@ -118,9 +124,9 @@ _JSON: Final[dict[type[Record], list[Schema]]] = {
     Obstacle: [_corners(3)],
     Zone: [_corners(3)],
     May: [
-        _if({"properties": {"Role": {"enum": ["agent", "mind", "bridge"]}}},
+        _if({"properties": {"Role": {"enum": _in_order(NAMES_AGENTS)}}},
             {"properties": {"Agents": {"minItems": 1}}, "required": ["Agents"]}),
-        _if({"properties": {"Role": {"enum": ["simulator", "recorder"]}}},
+        _if({"properties": {"Role": {"enum": _in_order(NO_AGENTS)}}},
             {"properties": {"Agents": {"maxItems": 0}}}),
         _if({"properties": {"Role": {"not": {"const": "operator"}}}}, {"properties": {"Verbs": {"maxItems": 0}}}),
     ],
@@ -163,6 +169,11 @@ def _exponent(*attributes: str) -> str:
 def _less(context: str, low: str, high: str) -> Assertion:
     test = f"number({low}) &lt; number({high}) or {_exponent(low, high)}"
     return Assertion(f"{context}[{low}][{high}]", test, f"{low} must be less than {high}")
+
+
+def _may(roles: frozenset[LabRole]) -> str:
+    tests = [f"@Role = '{role}'" for role in _in_order(roles)]
+    return f"May[{' or '.join(tests)}]"
 
 
 def _robot_assertions() -> list[Assertion]:
@@ -245,9 +256,9 @@ def _file_assertions() -> list[Assertion]:
         Assertion("Obstacle | Zone", "count(Corner) &gt;= 3", "at least 3 corners"),
         _less("Obstacle", "@Bottom", "@Top"),
         Assertion("Lab/Identity", "count(../Identity[@Name = current()/@Name]) = 1", "each Name once"),
-        Assertion("May[@Role = 'agent' or @Role = 'mind' or @Role = 'bridge']", "normalize-space(@Agents)",
+        Assertion(_may(NAMES_AGENTS), "normalize-space(@Agents)",
                   "the Agents of the role"),
-        Assertion("May[@Role = 'simulator' or @Role = 'recorder']", "not(normalize-space(@Agents))",
+        Assertion(_may(NO_AGENTS), "not(normalize-space(@Agents))",
                   "no Agents, as the role is for the whole world"),
         Assertion("May[@Role != 'operator']", "not(normalize-space(@Verbs))", "Verbs of an operator only"),
         Assertion("Scene/Cast", "count(../Cast[@Name = current()/@Name]) = 1", "each Name once in a cast"),

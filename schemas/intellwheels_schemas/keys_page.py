@@ -9,7 +9,7 @@ from msgspec import NODEFAULT, inspect
 
 from intellwheels_schemas import codes, defaults, file_records, rules
 from intellwheels_schemas import keys_prose as prose
-from intellwheels_schemas.access_rules import ACCESS
+from intellwheels_schemas.access_rules import ACCESS, OVERSEES
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, encode
 from intellwheels_schemas.explain import expected
@@ -116,7 +116,8 @@ def _limits() -> str:
 
 def _access() -> str:
     rows = ((f"`{CHANNELS[name].key}`", *(roles.get(role, "") for role in LAB_ROLES)) for name, roles in ACCESS.items())
-    return _table(("Key", *LAB_ROLES), rows)
+    text = prose.ACCESS.format(overseers=", ".join(role for role in LAB_ROLES if role in OVERSEES))
+    return text + _table(("Key", *LAB_ROLES), rows)
 
 
 def _codes(meanings: Mapping[str, str]) -> str:
@@ -260,7 +261,7 @@ def keys_page() -> str:
         map(_row, CHANNELS.values()),
     )
     parts = [
-        head, "\n", keys, _notes(), "\n", prose.ACCESS, _access(), "\n", _schemas(), "## Limits\n\n", _limits(),
+        head, "\n", keys, _notes(), "\n", _access(), "\n", _schemas(), "## Limits\n\n", _limits(),
         "\n## Codes\n\n### Codes of Refused\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
         "\n### Codes of Error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
         "\n### Codes of Event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),

@@ -120,10 +120,10 @@ ACCESS: Final = """## Who may do what
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. A process
 that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
 identity, and so does `<crew>` in a key without an agent: the name of a crew is one that an agent of the identity could
-have. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer
-only for `take`. The router drops what is longer than the [limits](#limits). It limits no rate: Zenoh's way to do so
-would drop honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of
-another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
+have. These roles read about every agent: {overseers}. An operator asks for its `Verbs` only, and a viewer only for
+`take`. The router drops what is longer than the [limits](#limits). It limits no rate: Zenoh's way to do so would drop
+honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of another
+machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
 
 The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick; user
 input of an agent counts apart, and a crew counts as one agent. Further ones are dropped with the Error `too-many`. Of

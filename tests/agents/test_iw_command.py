@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from intellwheels_agents.iw_command import COMMANDS, main
+from intellwheels_agents.iw_command import COMMANDS, about, main
 from intellwheels_maps import names
 from tests.commands import SCRIPTS
 from tests.every_case import every_case
@@ -18,6 +18,12 @@ def test_every_command_of_the_distribution_has_a_line_in_the_help(capsys: pytest
     assert ended.value.code == 0
     printed = capsys.readouterr().out
     assert all(f"  iw {name} " in printed for name in listed)
+
+
+def test_what_a_command_does_is_the_first_line_of_its_docstring() -> None:
+    assert about("intellwheels_agents.bridge") == "puts a real chair into a simulation"
+    assert about("intellwheels_agents.__main__") == "runs one agent as a process of its own"
+    assert all(len(text) > 20 and "`" not in text[:1] for text in COMMANDS.values())
 
 
 @every_case("name", COMMANDS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -26,6 +25,7 @@ from intellwheels_viewer.limited_worlds import LimitedWorlds, Worlds
 from intellwheels_viewer.own_drawings import OwnDrawings
 from intellwheels_viewer.page_arrival import PageArrival
 from intellwheels_viewer.page_link import PageLink, query_of
+from intellwheels_viewer.page_notices import PageNotices
 from intellwheels_viewer.page_recording import PageRecording
 from intellwheels_viewer.page_rights import EVERYTHING, PageRights
 from intellwheels_viewer.page_title import PageTitle
@@ -61,8 +61,6 @@ MODES: Final[dict[str, Mode]] = {
 }  # fmt: skip
 """Camera modes by label; a label ends with its key."""
 LABELS: Final = {mode: label for label, mode in MODES.items()}
-REFUSED: Final = 8.0
-"""Seconds for which a refusal is shown; the same refusal is not shown again meanwhile."""
 
 
 class Page:
@@ -93,11 +91,12 @@ class Page:
         # First, because it waits for the browser.
         self._layers = LayerVisibility(client, dark=dark)
         theme = stored_theme(client)
-        self._requests = RequestQueue(network, self._refused)
+        notices = PageNotices(client)
+        self._notify = notices.tell
+        self._requests = RequestQueue(network, notices.refused)
         self._driving = Driving(network, self._requests)
         self._snapshot = Snapshot()
         self.selected: str | None = None
-        self._refusal, self._refused_at = ("", ""), -REFUSED
         self._undo = UndoStack()
         self._run_control = RunControl(self._requests)
         self._held_ghost = HeldGhost(client.scene)
@@ -385,15 +384,3 @@ class Page:
     def seek(self, tick: int) -> None:
         """Move a playback to a tick."""
         self._run_control.seek(tick)
-
-    # ------------------------------------------------------------ notices
-
-    def _refused(self, what: str, why: str) -> None:
-        # While a stick is held, the request is repeated every second. The same notice would fill the page.
-        if (what, why) == self._refusal and time.monotonic() < self._refused_at + REFUSED:
-            return
-        self._refusal, self._refused_at = (what, why), time.monotonic()
-        self._client.add_notification(what, why, color="red", auto_close_seconds=REFUSED)
-
-    def _notify(self, title: str, text: str) -> None:
-        self._client.add_notification(title, text, auto_close_seconds=5.0)

@@ -1,4 +1,4 @@
-"""`iw-bridge`: a real chair as a body in a simulation.
+"""`iw-bridge`: puts a real chair into a simulation.
 
 A `Driver` is one end: it reads encoders, sonars, battery and joystick from the chair's electronics and sends them motor
 power. `RealChair` is the other end, the body in the simulation: it reports a pose with covariance and time stamp, and

@@ -1,4 +1,4 @@
-"""`iw-ciber`: a world as agents and viewers of the Ciber-Rato simulator see it, the ancestor of this one.
+"""`iw-ciber`: lets agents and viewers of the Ciber-Rato simulator, the ancestor of this one, take part in a world.
 
 They speak XML in UDP datagrams. `client_messages` reads what they send, `simulator_messages` writes what they get,
 `lab_frame` makes a lab of a map, `ciber_robot` their robot, and `robot_state` keeps what belongs to one. All of these

@@ -1,4 +1,4 @@
-"""`iw-ros`: a world as ROS 2 nodes see it, without ROS.
+"""`iw-ros`: shows a world to ROS 2 nodes, without ROS, and lets them drive a chair.
 
 A node of the middleware rmw_zenoh speaks Zenoh, as a world does. This gateway writes and reads its keys, tokens and
 attachments (`rmw_wire`), with messages of ROS in CDR (`ros_types`). Everything else is translated in pure files.

@@ -2,7 +2,8 @@
 
 The bytes are those of `codec.encode(measures(state, agent))`. What is fixed is taken from the codec itself when the set
 of bodies changes: nothing here knows how a message looks, except where numbers stand in it. Bodies with a sensor that
-is not `written` this way, and real bodies that forward readings, take the way through messages.
+is not `written` this way, and real bodies that forward readings, take the way through messages. So does everything as
+long as `Measures` has a field that is not in `WRITTEN`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ from intellwheels_server.world.sensors.catalogue import KINDS
 from intellwheels_server.world.sensors.kind import Fitted, Kind, Written
 from intellwheels_server.world.state import State
 
+WRITTEN: Final = frozenset({"run", "tick", "time", "collision", "contact", "state", "sensors", "message", "user_input"})
+"""The fields of `Measures` that are written here."""
+
+_KNOWS_ALL: Final = WRITTEN.issuperset(Measures.__struct_fields__)
 _NUMBER: Final = re.compile(rb"[-+.0-9e]+")
 _XML_END: Final = b"</Measures>"
 _EARLIER: Final = 7  # a tick that stands in readings of which only the form counts
@@ -245,6 +250,8 @@ class MeasuresWriter:
 
     def _layout(self, body_set: BodySet, agent: str) -> _Layout | None:
         """Return the layout of a body, or None if the kernel cannot write its measures."""
+        if not _KNOWS_ALL:
+            return None
         robot, known = body_set.models[agent].robot, self._layouts.get(agent)
         if known is not None and known[0] is robot:
             return known[1]

@@ -19,6 +19,15 @@ from intellwheels_server.world.kernels.measures_text import STATES, Bytes
 from intellwheels_server.world.observations import SAY_SHOWN
 from intellwheels_server.world.state import BodyStatus, State
 
+WRITTEN: Final = frozenset(
+    {
+        "name", "x", "y", "heading", "speed", "turn_rate", "left_output", "right_output", "collision", "contact",
+        "contacts", "state", "mode", "goal", "say", "command_age", "travelled", "turned",
+    }
+)  # fmt: skip
+"""The fields of `Entity` that are written here. As long as there is another one, nothing is."""
+
+_KNOWS_ALL: Final = WRITTEN.issuperset(Entity.__struct_fields__)
 _BARE: Final = Entity(name="a", x=0.0, y=0.0, heading=0.0)
 
 
@@ -46,7 +55,7 @@ class StateWriter:
         self._words: dict[str, tuple[BodyStatus, bool, bytes]] = {}
 
     def write(self, state: State, ages: Mapping[str, float], paths: Floats) -> WrittenState | None:
-        """Return all bodies, or None if there is a number that cannot be written here.
+        """Return all bodies, or None if there is a number or a field that cannot be written here.
 
         Args:
             state: The world.
@@ -54,6 +63,8 @@ class StateWriter:
             paths: float64[2, n], the length of the path of each body, m, and the angle that it turned, rad; NaN where
                 they are not known.
         """
+        if not _KNOWS_ALL:
+            return None
         names = state.names
         if names is not self._names:
             self._take_names(names)

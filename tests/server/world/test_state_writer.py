@@ -6,12 +6,13 @@ from itertools import pairwise
 
 import msgspec
 import numpy as np
+import pytest
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions, Entity, Goal
-from intellwheels_server.world import Setup, State, advance, apply, begin, entities
+from intellwheels_server.world import Setup, State, advance, apply, begin, entities, state_writer
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.state_writer import StateWriter, WrittenState
 
@@ -46,6 +47,13 @@ def listed(written: WrittenState | None) -> list[bytes]:
     assert written is not None
     ends = written.ends
     return [written.data[begin : end - 1] for begin, end in pairwise(ends)]
+
+
+def test_every_field_is_written_here_and_nothing_as_long_as_one_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert set(Entity.__struct_fields__) == state_writer.WRITTEN
+    monkeypatch.setattr(state_writer, "_KNOWS_ALL", False)
+    state = crowd()
+    assert StateWriter().write(state, {}, np.zeros((2, len(state.names)))) is None
 
 
 def test_the_bytes_are_those_of_the_codec() -> None:
