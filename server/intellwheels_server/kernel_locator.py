@@ -7,6 +7,7 @@ of Python is part of the file names.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -19,6 +20,9 @@ _SETTING: Final = "CACHE_LOCATOR_CLASSES"
 _OTHERS: Final = "UserProvidedCacheLocator"
 """Numba's locator for all other functions. Its name had an underscore before numba could be told locators."""
 
+_ready: set[str] = set()
+"""Folders of the cache to which files can be written."""
+
 
 class KernelLocator(getattr(caching, _OTHERS, caching._CacheLocator)):  # type: ignore[misc] # numba has no types
     """Locates the kernels of this package. It leaves all other functions to the next locator."""
@@ -26,12 +30,19 @@ class KernelLocator(getattr(caching, _OTHERS, caching._CacheLocator)):  # type: 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> Any:
         """Return a locator for a function, or None if the function is not of this package."""
-        return super().from_function(py_func, py_file) if _is_own(py_file) else None
+        return super().from_function(py_func, py_file) if _folder_of(py_file, _PACKAGE) is not None else None
 
     @classmethod
     def get_suitable_cache_subpath(cls, py_file: str) -> str:
         """Return the folder of a source file below the cache's folder: its place in the package."""
-        return str(Path(py_file).resolve().parent.relative_to(_PACKAGE))
+        return str(_folder_of(py_file, _PACKAGE))
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder of the cache, and see that files can be written to it: once for each folder."""
+        path = self.get_cache_path()
+        if path not in _ready or not Path(path).is_dir():
+            super().ensure_cache_path()
+            _ready.add(path)
 
 
 def use_kernel_locator() -> None:
@@ -43,5 +54,8 @@ def use_kernel_locator() -> None:
         setattr(numba.config, _SETTING, f"{__name__}.{KernelLocator.__name__},{_OTHERS}")
 
 
-def _is_own(file: str) -> bool:
-    return Path(file).resolve().is_relative_to(_PACKAGE)
+@functools.cache
+def _folder_of(file: str, package: Path) -> Path | None:
+    """Return the folder of a source file below the package, or None. A file has many kernels."""
+    folder = Path(file).resolve().parent
+    return folder.relative_to(package) if folder.is_relative_to(package) else None

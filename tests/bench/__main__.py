@@ -82,17 +82,17 @@ def run(wanted: list[str], *, quick: bool) -> list[Row]:
     if "tick" in wanted:
         rows += tick.bench((1, 10), quick=True) if quick else tick.bench()
     if "network" in wanted:
-        rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if quick else network.bench()
+        rows += network.bench(seconds=2.0, lockstep_seconds=0.4, small=True) if quick else network.bench()
     if "crews" in wanted:
         rows += crews.bench(seconds=1.0, small=True) if quick else crews.bench()
     if "viewer" in wanted:
-        rows += viewer.bench((2,), seconds=1.0, settle=2.0) if quick else viewer.bench()
+        rows += viewer.bench((2,), seconds=1.0, settle=1.0) if quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if quick else loads.bench()
     if "imports" in wanted:
         rows += imports.bench(side=200) if quick else imports.bench()
     if "inputs" in wanted:
-        rows += inputs.bench(rounds=3) if quick else inputs.bench()
+        rows += inputs.bench(rounds=1) if quick else inputs.bench()
     if "joins" in wanted:
         rows += joins.bench((3,)) if quick else joins.bench()
     if "ros" in wanted:

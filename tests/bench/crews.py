@@ -49,6 +49,7 @@ def bench(*, seconds: float = 60.0, small: bool = False) -> list[Row]:
             host="tests.bench.crew_chairs",
             floor=floor,
             more=("--world-rays", str(RAYS)),
+            settle=0.2 if small else 1.0,
         )
         case = f"{chairs} chairs in {crews} crews, 20 Hz"
         rows.append(Row("crews", case, "late ticks", 100.0 * found.late / max(1, found.ticks), "%", "<= 0.1"))

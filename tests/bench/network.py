@@ -108,6 +108,7 @@ def measure(
     more: Sequence[str] = (),
     router: bool = False,
     xml: bool = False,
+    settle: float = 1.0,
 ) -> Measured:
     """Return the figures of so many seconds, with the chairs in another process.
 
@@ -122,6 +123,7 @@ def measure(
         more: Further options of the simulator.
         router: Whether all connect through a router.
         xml: Whether the chairs speak XML.
+        settle: Seconds before the measurement: the first ticks are not the rule.
     """
     address = endpoint()
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
@@ -146,7 +148,7 @@ def measure(
         session = link.open_session(link.Link(connect=(address,)), threading.Event())
         assert session is not None
         with session:
-            threading.Event().wait(1.0)  # the first ticks are not the rule
+            threading.Event().wait(settle)
             first, begun, cpu = _clock(session), time.monotonic(), [cpu_of(pid) for pid in pids]
             threading.Event().wait(seconds)
             last, ended = _clock(session), time.monotonic()
@@ -194,15 +196,23 @@ ENOUGH: Final = 20
 def bench(*, seconds: float = 60.0, lockstep_seconds: float = 10.0, small: bool = False) -> list[Row]:
     """Return the rows."""
     rows = []
+    settle = 0.2 if small else 1.0
     for case in (Case(2, 1, xml=True, router=True),) if small else CASES:
         found = measure(
-            "intellwheels_server", "realtime", case.chairs, case.sessions, seconds, router=case.router, xml=case.xml
+            "intellwheels_server",
+            "realtime",
+            case.chairs,
+            case.sessions,
+            seconds,
+            router=case.router,
+            xml=case.xml,
+            settle=settle,
         )
         rows += _rows(case, found)
     for chairs in (1,) if small else (1, 4, 20, 100):
         goal = {4: ">= 2200", 20: ">= 1150", 100: ">= 300"}.get(chairs, "")
         for name, server in (("drop, put again", "intellwheels_server"), ("block", "tests.bench.blocking_server")):
-            rate = measure(server, "lockstep", chairs, chairs, lockstep_seconds).rate
+            rate = measure(server, "lockstep", chairs, chairs, lockstep_seconds, settle=settle).rate
             rows.append(Row("lockstep", f"{chairs} agents, {name}", "rate", rate, "ticks/s", goal))
     return rows
 

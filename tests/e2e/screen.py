@@ -304,10 +304,10 @@ class Theatre(Stage):
             self.line(child, "ready", COMPILED)
         return child
 
-    def viewer(self, *words: str, endpoint: str | None = None) -> str:
+    def viewer(self, *words: str, endpoint: str | None = None, module: str = "intellwheels_viewer") -> str:
         """Start a viewer of this world and return its address."""
         self.viewing = self.start(
-            "viewer", "intellwheels_viewer", "--connect", endpoint or self.endpoint, "--world", self.world,
+            "viewer", module, "--connect", endpoint or self.endpoint, "--world", self.world,
             "--port", "0", *words,
         )  # fmt: skip
         return self.line(self.viewing, "ready")["url"]

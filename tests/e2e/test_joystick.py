@@ -66,7 +66,8 @@ class Watch:
             speeds = [entry for entry in self.speeds() if entry[0] > after]
             last = max((tick for tick, speed in speeds if abs(speed) > 1e-6), default=after)
             rest = [tick for tick, _ in speeds if tick > last]
-            return rest[0] if len(rest) > 20 else None
+            # A second: the state of a world in which nothing moves comes twice in it.
+            return rest[0] if rest and rest[-1] - rest[0] >= 20 else None
 
         return self.peer.stage.wait(found, "a chair that stands", unless=self.peer.stage.simulator)
 

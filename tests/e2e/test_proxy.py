@@ -13,6 +13,7 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 import viser
@@ -184,8 +185,10 @@ def test_real_browser_finds_its_websocket_below_the_path(site: Site) -> None:
         pytest.skip("no Chromium")
     with browser() as chromium:
         login = {"username": "teacher", "password": "secret"}
-        context = chromium.new_context(http_credentials=login, ignore_https_errors=True)
+        # Few pixels: software draws them.
+        size: Any = {"width": 800, "height": 420}
+        context = chromium.new_context(http_credentials=login, ignore_https_errors=True, viewport=size)
         page = context.new_page()
-        page.goto(f"https://localhost:{site.port}/sim/")
+        page.goto(f"https://localhost:{site.port}/sim/?fixedDpr=0.5")
         page.get_by_text("As teacher this page may").wait_for(timeout=60_000)
         context.close()

@@ -32,7 +32,7 @@ def test_changed_mind_and_options_count_in_a_single_run(tmp_path: Path) -> None:
     assert results[1]["ticks"] > 1.1 * results[0]["ticks"]
 
 
-@pytest.mark.parametrize("limit", [20, 60, 100])
+@pytest.mark.parametrize("limit", [20, pytest.param(60, marks=pytest.mark.soak), 100])
 def test_log_that_cannot_be_written_to_its_end_fails_the_run(tmp_path: Path, limit: int) -> None:
     """A quota: no file of the run may have more than so many blocks of 1,024 bytes."""
     log = tmp_path / "run.jsonl"

@@ -74,8 +74,7 @@ def the_successor_of_a_suspended_simulator_serves_on(stage: Stage) -> None:
 
 def test_of_two_simulators_started_together_exactly_one_serves(stage: Stage) -> None:
     router(stage)
-    for _ in range(3):
-        one_serves_of_two_started_together(stage)
+    one_serves_of_two_started_together(stage)
 
 
 def test_a_simulator_that_wakes_up_beside_its_successor_ends(stage: Stage) -> None:

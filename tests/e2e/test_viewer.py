@@ -448,7 +448,8 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
         theatre.line(theatre.start("router", "tests.e2e.strict_router", str(file)), "ready")
         theatre.server("--map", "room", "--connect", meeting)
         furnish(theatre)
-        url = theatre.viewer(endpoint=meeting)
+        # Ten requests are not answered.
+        url = theatre.viewer(endpoint=meeting, module="tests.e2e.hasty_viewer")
         with theatre.screen(chromium) as screen, theatre.peer() as peer:
             screen.open(url)
             run_before = peer.clock()["Run"]

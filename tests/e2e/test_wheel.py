@@ -136,7 +136,7 @@ def test_first_command_of_the_readme_shows_figure_6_in_the_page(page_text: str) 
 def test_wheel_installed_in_a_clean_environment_runs_a_scene(clean: Path, tmp_path: Path) -> None:
     for command in SCRIPTS:
         assert "usage: " + command in finished(str(clean / command), "--help", cwd=tmp_path)
-    finished(str(clean / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
+    finished(str(clean / "iw-run"), "door", "--json", "result.json", cwd=tmp_path)
     assert json.loads((tmp_path / "result.json").read_text())["held"] is True
 
 

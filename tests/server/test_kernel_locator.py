@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,16 @@ def test_two_installations_share_a_folder_of_compiled_kernels(
         source.write_text("")
         monkeypatch.setattr(kernel_locator, "_PACKAGE", package)
         assert KernelLocator.from_function(kernel, str(source)).get_cache_path() == str(cache / "world" / "kernels")
+
+
+def test_a_folder_that_is_gone_is_made_again(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = tmp_path / "grid.py"
+    source.write_text("")
+    monkeypatch.setattr(kernel_locator, "_PACKAGE", source.parent)
+    for _ in range(2):
+        place = KernelLocator.from_function(kernel, str(source)).get_cache_path()
+        assert Path(place).is_dir()
+        shutil.rmtree(cache)
 
 
 def test_a_function_of_another_package_is_left_to_numba(cache: Path) -> None:

@@ -25,6 +25,8 @@ EXAMPLES = Path(__file__).parents[3] / "agents" / "examples"
 LESSONS = sorted(path for path in EXAMPLES.iterdir() if path.name[0].isdigit() and path.is_file())
 RUN = 300.0
 """Seconds of wall time that a lesson's whole run may take on a loaded machine."""
+FASTER = ("--speed", "2")
+"""For lessons whose chairs drive far."""
 PROGRAMS = {
     **MODULES,
     # The checkout may be newer than the installed entry point of the plug-in.
@@ -63,10 +65,10 @@ def start(stage: Stage, child: str, command: str, *more: str) -> str:
     return stage.launch(child, lambda _: ["sh", "-c", line], {"PATH": path})
 
 
-def start_all(stage: Stage, number: int) -> None:
-    """Start the simulator and the agents of a lesson, and wait until all have joined."""
+def start_all(stage: Stage, number: int, *more: str) -> None:
+    """Start the simulator, with more words, and the agents of a lesson, and wait until all have joined."""
     server, *agents = commands(number)
-    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
+    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint, *more)
     stage.line(stage.simulator, "ready")
     for index, command in enumerate(agents):
         stage.line(start(stage, f"agent{index}", command, "--connect", stage.endpoint), "joined")
@@ -91,7 +93,7 @@ def test_lesson_1_drives_and_stops(stage: Stage) -> None:
 
 
 def test_lesson_2_turns_at_a_wall(stage: Stage) -> None:
-    start_all(stage, 2)
+    start_all(stage, 2, *FASTER)
     with stage.peer() as peer:
         peer.entity("chair1", lambda now: now.get("Mode") == "turning")
         peer.entity("chair1", lambda now: now["Heading"] > 1.4)
@@ -99,7 +101,7 @@ def test_lesson_2_turns_at_a_wall(stage: Stage) -> None:
 
 
 def test_lesson_3_opens_the_door_and_drives_through(stage: Stage) -> None:
-    start_all(stage, 3)
+    start_all(stage, 3, *FASTER)
     with stage.peer() as peer:
         peer.entity("chair1", lambda now: now.get("Mode") == "asking")
         peer.entity("chair1", lambda now: now["X"] > 7.0)
@@ -122,13 +124,15 @@ def test_lesson_5_passes(stage: Stage) -> None:
     assert json.loads((stage.folder / "result.json").read_text())["held"] is True
 
 
-def test_lesson_6_writes_a_report_in_which_every_run_arrived(stage: Stage) -> None:
+@pytest.mark.parametrize("seeds", [1, pytest.param(3, marks=pytest.mark.soak)])
+def test_lesson_6_writes_a_report_in_which_every_run_arrived(stage: Stage, seeds: int) -> None:
     (command,) = commands(6)
+    assert "--seeds 3 " in command
     folder = stage.folder / "lesson6"
-    child = start(stage, "run", command, "--out", str(folder))
+    child = start(stage, "run", command, "--seeds", str(seeds), "--out", str(folder))
     assert stage.exit(child, RUN) == 0, stage.report()
     assert (folder / "report.html").is_file()
-    assert len(list(folder.glob("runs/*/*"))) == 12
+    assert len(list(folder.glob("runs/*/*"))) == 4 * seeds
 
 
 def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
@@ -139,7 +143,7 @@ def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
 
 def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
     server, agent, *_ = commands(8)
-    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
+    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint, *FASTER)
     stage.line(stage.simulator, "ready")
     start(stage, "agent", agent, stage.endpoint)
     with stage.peer() as peer:

@@ -27,7 +27,16 @@ def test_lidar_is_as_high_as_far_and_as_late_as_the_robots_own_sensors() -> None
     assert equip(equipped, Options({})) == equipped
 
 
-@pytest.mark.parametrize(("ground", "chairs", "seconds"), [("room", 6, 40.0), ("ward", 15, 12.0), ("lounge", 1, 40.0)])
+@pytest.mark.parametrize(
+    ("ground", "chairs", "seconds"),
+    [
+        ("room", 6, 24.0),
+        ("ward", 15, 8.0),
+        ("lounge", 1, 40.0),
+        pytest.param("room", 6, 40.0, marks=pytest.mark.soak),
+        pytest.param("ward", 15, 12.0, marks=pytest.mark.soak),
+    ],
+)
 def test_chairs_wander_and_touch_nothing(ground: str, chairs: int, seconds: float) -> None:
     for row in trial(ground, chairs, 1, seconds):
         assert row.contacts == 0, row

@@ -29,7 +29,7 @@ def test_late_chair_arrives_and_touches_nothing(mind: str, condition: Condition)
     ],
 )
 def test_late_or_slow_chair_with_a_careless_user_touches_nothing_that_was_reported(condition: Condition) -> None:
-    row = trial("aided", condition, 2, 8.0)
+    row = trial("aided", condition, 2, 5.0)
     assert row.reported == 0
 
 

@@ -90,7 +90,7 @@ def test_run_repeats() -> None:
     for _ in range(2):
         arena = Arena("ward")
         arena.join("chair", "navigate", "mid-wheel", "day2", {"to": "room1-door"})
-        arena.run(5.0)
+        arena.run(2.0)
         paths.append(arena.paths["chair"])
     assert paths[0] == paths[1]
 

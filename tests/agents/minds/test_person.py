@@ -15,7 +15,7 @@ from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
 
 SEEDS = [str(seed) for seed in range(1, 21)]
-FEW_OR_ALL = [*SEEDS[:4], *(pytest.param(seed, marks=pytest.mark.soak) for seed in SEEDS[4:])]
+FEW_OR_ALL = [*SEEDS[:2], *(pytest.param(seed, marks=pytest.mark.soak) for seed in SEEDS[2:])]
 """Seeds of the suite, and the others of the soak tests."""
 STRETCH = {"MotorNoise": "0.05"}
 
@@ -104,7 +104,8 @@ def test_everybody_in_the_scene_arrives_without_contact(name: str, seed: str) ->
 
 
 @pytest.mark.parametrize(
-    ("density", "length", "settle", "seconds"), [(0.5, 6.0, 6.0, 8.0), (1.0, 6.0, 4.0, 6.0), (2.0, 4.0, 3.0, 3.0)]
+    ("density", "length", "settle", "seconds"),
+    [(0.5, 6.0, 6.0, 8.0), (1.0, 6.0, 4.0, 6.0), pytest.param(2.0, 4.0, 3.0, 3.0, marks=pytest.mark.soak)],
 )
 def test_flow_of_a_crowd_is_near_weidmanns(density: float, length: float, settle: float, seconds: float) -> None:
     crowd = Corridor(density, length)

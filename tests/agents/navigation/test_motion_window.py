@@ -67,7 +67,7 @@ def wall(x: float, low: float, high: float, vx: float = 0.0) -> np.ndarray:
     return np.stack([np.full(ys.size, x), ys, np.full(ys.size, vx), np.zeros(ys.size), np.zeros(ys.size)], axis=1)
 
 
-@pytest.mark.parametrize("period", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("period", [pytest.param(0.02, marks=pytest.mark.soak), 0.05, 0.2])
 def test_body_arrives_where_nothing_is_in_the_way(period: float) -> None:
     (x, y, _), _ = drive(window(period=period), NOTHING, 20.0, period)
     assert math.hypot(x - 10.0, y - 6.0) < 0.15

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy import integrate
 
 from intellwheels_experiments.batch import metrics
 from intellwheels_experiments.batch.trace_reader import rolled
@@ -24,8 +23,10 @@ def minimum_jerk(rate: float, seconds: float = 4.0, scale: float = 1.0) -> metri
 @functools.cache
 def continuous_spectral_arc_length(seconds: float) -> float:
     """SPARC of that movement by integrals alone: nothing is sampled in time."""
-    frequency = np.linspace(0.0, 10.0, 10_001)
-    grid = np.linspace(0.0, 1.0, 4_001)
+    from scipy import integrate
+
+    frequency = np.linspace(0.0, 10.0, 2_001)
+    grid = np.linspace(0.0, 1.0, 1_001)
     shape = 30.0 * grid**2 * (1.0 - grid) ** 2
     amplitude = np.array(
         [abs(integrate.simpson(shape * np.exp(-2j * math.pi * f * seconds * grid), x=grid)) for f in frequency]

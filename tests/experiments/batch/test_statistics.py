@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy import optimize, stats
 
 from intellwheels_experiments.batch.statistics import compare, difference_interval, mcnemar, mean_difference, wilson
 
@@ -28,6 +27,8 @@ def test_mcnemar_is_the_binomial_of_the_discordant_pairs() -> None:
 
 
 def test_intervals_and_p_values_are_those_of_scipy() -> None:
+    from scipy import stats  # takes half a second; most workers do not need it
+
     for trials in (1, 2, 7, 40, 263, 2000):
         for successes in {0, 1, trials // 3, trials // 2, trials - 1, trials}:
             found = stats.binomtest(successes, trials)
@@ -51,6 +52,7 @@ def test_difference_interval_mirrors_when_the_rows_are_swapped() -> None:
 
 def restricted_score(b: int, c: int, n: int, delta: float) -> float:
     """The score of a difference, the likeliest shares under it found by search rather than by formula."""
+    from scipy import optimize
 
     def unlikely(c_share: float) -> float:
         shares = (c_share + delta, c_share, 1.0 - 2.0 * c_share - delta)

@@ -15,7 +15,8 @@ from intellwheels_schemas.messages import Doorway
 from tests.maps.importers import drawn_floors as floors
 from tests.maps.importers.drawn_floors import DrawnDoor, DrawnFloor, Point, Write
 
-FLOORS = 60
+FLOORS = [range(20), pytest.param(range(20, 60), marks=pytest.mark.soak)]
+"""Seeds of the floors of the suite, and the others."""
 needs_ifc = pytest.mark.skipif(find_spec("ifcopenshell") is None, reason="needs the extra ifc")
 
 WRITERS = [
@@ -29,11 +30,14 @@ WRITERS = [
 """The writer of each format, by how much it moves the floor (None: to its south west corner), and its resolution."""
 
 
+@pytest.mark.parametrize("seeds", FLOORS, ids=["few", "many"])
 @pytest.mark.parametrize(("write", "shift", "resolution"), WRITERS)
-def test_sixty_floors_that_are_written_are_read_again(write: Write, shift: Point | None, resolution: float) -> None:
+def test_floors_that_are_written_are_read_again(
+    write: Write, shift: Point | None, resolution: float, seeds: range
+) -> None:
     import shapely
 
-    for seed in range(FLOORS):
+    for seed in seeds:
         floor = floors.drawn(seed)
         found = floors.read(write(floor)).map
         assert check_map(found) == []

@@ -381,21 +381,22 @@ def test_upper_body_hits_the_table_top_and_the_base_does_not() -> None:
 
 
 def test_crowd_does_not_depend_on_the_order_of_bodies() -> None:
-    assert [seed for seed in range(50) if order_matters(seed, ticks=40)] == []
+    assert [seed for seed in range(25) if order_matters(seed, ticks=40)] == []
 
 
 @pytest.mark.soak
 def test_no_crowd_of_three_thousand_depends_on_the_order_of_bodies() -> None:
     # MODEL.md: one body after another gave an order-dependent result in 1190 of 3000 scenes.
-    assert [seed for seed in range(50, 3000) if order_matters(seed, ticks=40)] == []
+    assert [seed for seed in range(25, 3000) if order_matters(seed, ticks=40)] == []
 
 
-def test_nobody_is_ever_deeper_in_a_crowd_than_the_tolerance() -> None:
+@pytest.mark.parametrize("ticks", [400, pytest.param(1000, marks=pytest.mark.soak)])
+def test_nobody_is_ever_deeper_in_a_crowd_than_the_tolerance(ticks: int) -> None:
     rng = np.random.default_rng(4)
     floor = random_floor(rng, 60)
     clear = [i for i in range(60) if floor.allowed[i] == 0.0]
     depths = 0.0
-    for tick in range(1000):
+    for tick in range(ticks):
         steer(floor, rng)
         floor.tick()
         if tick % 10 == 0:

@@ -105,9 +105,9 @@ def compare(scenes: int, seed: int) -> tuple[float, int, int]:
 
 
 def test_wedge_agrees_with_geos() -> None:
-    worst, seen, skipped = compare(2000, seed=3)
+    worst, seen, skipped = compare(1000, seed=3)
     assert worst < 1e-9
-    assert seen > 500
+    assert seen > 250
     assert skipped <= 1
 
 
