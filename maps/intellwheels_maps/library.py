@@ -1,8 +1,9 @@
 """Reads maps, robots and scenes by name or by path. Only this file of the package reads files.
 
 A plain word is the name of an included file. Text that contains `/` or ends as the name of a file does is a path. A map
-may be in a format of `importers`; `#LEVEL` after the path chooses a level of a building. A returned document has passed
-its schema and its checks. Otherwise a `WireError` gives the file, the line and what was expected.
+may be in a format of `importers`; `#LEVEL` after the path chooses a level of a building, unless a file has the whole
+name. A returned document has passed its schema and its checks. Otherwise a `WireError` gives the file, the line and
+what was expected.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def imported(file: Path) -> Imported:
     Raises:
         WireError: The file is invalid, or what it describes is no valid map.
     """
-    path, level = _split(str(file))
+    path, level = _file_and_level(file)
 
     def beside(name: str) -> bytes:
         return _read(Path(path).parent / name)
@@ -106,7 +107,7 @@ def imported(file: Path) -> Imported:
 
 def is_foreign(file: Path) -> bool:
     """Return whether a file is a floor of another program, which `imported` reads."""
-    path = _split(str(file))[0]
+    path = _file_and_level(file)[0]
     return path.endswith(importers.ENDINGS) or (path.endswith(".xml") and importers.is_lab(_start(Path(path))))
 
 
@@ -123,6 +124,11 @@ def _split(path: str) -> tuple[str, str | None]:
     """Return a path without `#LEVEL`, and the level."""
     name, mark, level = path.rpartition("#")
     return (name, level) if mark and name.endswith(importers.ENDINGS) and "/" not in level else (path, None)
+
+
+def _file_and_level(file: Path) -> tuple[str, str | None]:
+    """Return a path without `#LEVEL`, and the level. A file that has the whole name is meant as such."""
+    return (str(file), None) if file.is_file() else _split(str(file))
 
 
 def _read(path: Path) -> bytes:

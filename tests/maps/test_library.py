@@ -196,6 +196,20 @@ def test_a_floor_of_another_program_is_a_map(tmp_path: Path) -> None:
         imported(tmp_path / "none.dxf")
 
 
+@every_case("name", ["a#b.xml", "a.yaml#b.xml", "a.xml#b.xml", "a b?.xml", "a%20b.xml", "ü#.xml"])
+def test_map_opens_whatever_its_name(name: str, tmp_path: Path) -> None:
+    path = write(tmp_path, name, MAP.format(wall=WALL, place="goal"))
+    assert floor(str(path)) == floor(name, beside=tmp_path)
+    assert not is_foreign(path)
+
+
+def test_a_file_that_has_the_whole_name_is_no_level(tmp_path: Path) -> None:
+    (tmp_path / "m.pgm").write_bytes(b"P5\n3 3\n255\n" + bytes([255] * 4 + [0] + [255] * 4))
+    path = write(tmp_path, "a.yaml#b.yaml", ROS)
+    assert is_foreign(path)
+    assert len(floor(path).wall) == 1
+
+
 def test_a_lab_is_told_by_its_root(tmp_path: Path) -> None:
     lab = write(tmp_path, "MyLab.xml", '<Lab Name="l" Height="5" Width="6"/>')
     assert is_foreign(lab)

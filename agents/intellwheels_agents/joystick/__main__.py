@@ -50,8 +50,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with ExitStack() as stack:
             source = _source(options, stop, stack)
             return operate(
-                where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for, latency=options.latency
-            )
+                where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for,
+                latency=options.latency,
+                before_line=source.leave_caption if isinstance(source, TerminalSource) else None,
+            )  # fmt: skip
     except (
         ScriptError, ChannelError, WireError, MissingPygameError, MissingPylslError, MissingPocketsphinxError
     ) as error:  # fmt: skip

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from typing import Final
 
@@ -50,6 +51,7 @@ def operate(
     stop: threading.Event,
     retry_for: float | None,
     latency: bool = False,
+    before_line: Callable[[], None] | None = None,
 ) -> int:
     """Send the input of a source until it ends or `stop` is set; return the exit code: 0, or 1 when refused.
 
@@ -61,6 +63,7 @@ def operate(
         stop: Set when the process must end.
         retry_for: Seconds to look for a router or simulator; None for no limit.
         latency: Whether to measure the time from the device to the motors, and print it at the end.
+        before_line: Called before a line is printed while the source is read.
     """
     try:
         session = link.open_session(where, stop, timeout=retry_for, waiting=lambda why: _log(f"waiting why={why!r}"))
@@ -91,7 +94,8 @@ def operate(
                 stack.enter_context(session.declare_subscriber(keys.every_state, watch.on_sample))
             requests = _LeaseRequests(session, take_key)
             _check_agent(session, keys.body(agent), agent, take=take)
-            return _Loop(agent, source, requests, inbox, publisher, take=take, watch=watch).run(stop)
+            loop = _Loop(agent, source, requests, inbox, publisher, take=take, watch=watch, before_line=before_line)
+            return loop.run(stop)
 
 
 class _MotorWatch:
@@ -153,8 +157,10 @@ class _Loop:
         *,
         take: bool,
         watch: _MotorWatch | None = None,
+        before_line: Callable[[], None] | None = None,
     ) -> None:
         self._watch = watch
+        self._before_line = before_line
         self._agent = agent
         self._source = source
         self._requests = requests
@@ -167,7 +173,7 @@ class _Loop:
 
     def run(self, stop: threading.Event) -> int:
         lease = self._lease
-        _print(f"ready agent={self._agent}")
+        self._print(f"ready agent={self._agent}")
         try:
             while not stop.is_set():
                 now = time.monotonic()
@@ -178,7 +184,7 @@ class _Loop:
                 if lease is not None:
                     self._keep_lease(lease, now)
                     if lease.failure:
-                        _log(f"not taken agent={self._agent} why={lease.failure!r}")
+                        self._log(f"not taken agent={self._agent} why={lease.failure!r}")
                         return 1
                 if self._watch is not None:
                     self._watch.work()
@@ -202,7 +208,7 @@ class _Loop:
             except queue.Empty:
                 return
             if lease.answered(result, now):
-                _print(f"taken agent={self._agent}")
+                self._print(f"taken agent={self._agent}")
 
     def _end(self) -> None:
         self._send(self._timing.final_message(time.monotonic()))
@@ -214,10 +220,20 @@ class _Loop:
         if release is not None:
             result = self._requests.ask(release)
             if result is not None and result.code == "ok":
-                _print(f"released agent={self._agent}")
+                self._print(f"released agent={self._agent}")
         if self._watch is not None:
-            _print(f"latency agent={self._agent} {self._watch.latency.summary()}")
-        _print(f"ended agent={self._agent}")
+            self._print(f"latency agent={self._agent} {self._watch.latency.summary()}")
+        self._print(f"ended agent={self._agent}")
+
+    def _print(self, line: str) -> None:
+        if self._before_line is not None:
+            self._before_line()
+        _print(line)
+
+    def _log(self, line: str) -> None:
+        if self._before_line is not None:
+            self._before_line()
+        _log(line)
 
     def _send(self, user: UserInput | None) -> None:
         if user is None:
@@ -232,7 +248,7 @@ class _Loop:
                 try:
                     self._read(arrival)
                 except WireError as error:
-                    _log(f"dropped key={arrival.key} why={error.text!r}")
+                    self._log(f"dropped key={arrival.key} why={error.text!r}")
 
     def _read(self, put: zenoh_inbox.Put) -> None:
         encoding = encoding_of(put.encoding, put.data)
@@ -246,7 +262,7 @@ class _Loop:
         now = time.monotonic()
         if error.text != self._ignored or now >= self._ignored_at + SAME_EVERY:
             self._ignored, self._ignored_at = error.text, now
-            _log(f"ignored agent={self._agent} code={error.code} why={error.text!r}")
+            self._log(f"ignored agent={self._agent} code={error.code} why={error.text!r}")
 
 
 def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:

@@ -138,8 +138,7 @@ class TerminalSource:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._caption:
-            self._tell("\n")
+        self.leave_caption()
         if self._saved is not None:
             # Keys that were typed while the chair was driven must not reach the shell.
             with suppress(termios.error):  # the terminal has hung up
@@ -174,6 +173,12 @@ class TerminalSource:
             # On the same line, which it replaces.
             self._tell(f"\r\x1b[K{self._caption}")
         return state
+
+    def leave_caption(self) -> None:
+        """Begin a new line after the caption, as something else is printed next. The caption is then shown again."""
+        if self._caption:
+            self._caption = ""
+            self._tell("\n")
 
     def _tell(self, text: str) -> None:
         """Write for the person at the terminal."""

@@ -1,4 +1,8 @@
-"""A file of lines that is written as it grows. A process that is killed loses at most the lines of the last second."""
+"""A file of lines that is written as it grows. A process that is killed loses at most the lines of the last second.
+
+A machine that loses power loses more: what the system has not yet written to the disk. The file is never forced there
+(`fsync`), as that can make the next write to it wait, and so a tick.
+"""
 
 from __future__ import annotations
 

@@ -235,6 +235,12 @@ def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
         )
 
 
+def endpoint_words(route: link.Link) -> str:
+    """Return the endpoints of a link, for programs: `listen=...`, `connect=...` or both; else `config=...`."""
+    ends = ("listen", route.listen), ("connect", route.connect)
+    return " ".join(f"{name}={','.join(found)}" for name, found in ends if found) or f"config={route.where()}"
+
+
 def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> Callable[[], float]:
     """Return a clock of Unix time in seconds that never goes back, as stamps order messages.
 
@@ -272,7 +278,7 @@ def _serve(
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         if route.identity is None:
             console.log_line(f"world={options.world} is {open_words(route.listen)}")
-        console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
+        console.print_line(f"ready world={options.world} run={service.state.run} {endpoint_words(route)}")
         try:
             claim.begin()
             run_service(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)

@@ -77,6 +77,17 @@ class Nowhere:
         pass
 
 
+def test_every_line_is_announced_to_the_source_that_shows_a_caption(capsys: pytest.CaptureFixture[str]) -> None:
+    def leave_caption() -> None:
+        print("<", end="")
+
+    loop = _Loop(
+        "chair1", Short(), cast(Any, None), Inbox(), cast(Any, Nowhere()), take=False, before_line=leave_caption
+    )
+    assert loop.run(threading.Event()) == 0
+    assert capsys.readouterr().out == "<ready agent=chair1\n<ended agent=chair1\n"
+
+
 def test_error_about_user_input_is_told_and_others_are_the_agents_own(capsys: pytest.CaptureFixture[str]) -> None:
     inbox = Inbox()
     for where, text in (("UserInput", "takes none"), ("UserInput", "takes none"), ("Actions.LeftMotor", "too fast")):

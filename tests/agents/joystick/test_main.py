@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,8 +25,10 @@ def test_the_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     asked: list[tuple[str, str, bool]] = []
 
     def operate(
-        where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float, latency: bool
-    ) -> int:
+        where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float, latency: bool,
+        before_line: Callable[[], None] | None,
+    ) -> int:  # fmt: skip
+        assert before_line is None
         assert isinstance(source, ScriptSource)
         assert source.state(0.0, None) == InputState(0.5, 0.0)
         asked.append((where.world, agent, take))

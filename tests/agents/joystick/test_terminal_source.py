@@ -172,3 +172,15 @@ def test_a_caption_is_shown_in_one_line_and_a_key_has_its_time(
     shown = capsys.readouterr().err
     assert "\r\x1b[K1\r\x1b[K2" in shown
     assert shown.endswith("\n")
+
+
+def test_a_line_that_is_printed_begins_after_the_caption_which_then_comes_again(
+    terminal: tuple[int, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with TerminalSource(Captioned(1.0, 0.5), terminal[1]) as source:
+        source.state(time.monotonic(), None)
+        source.leave_caption()
+        source.leave_caption()
+        source.state(time.monotonic(), None)
+        source.leave_caption()
+    assert capsys.readouterr().err.endswith("\r\x1b[K1\n\r\x1b[K2\n")

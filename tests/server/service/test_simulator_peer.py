@@ -38,7 +38,7 @@ from intellwheels_schemas.messages import (
     Take,
     WorldState,
 )
-from intellwheels_server.service.simulator_peer import steady_unix_time
+from intellwheels_server.service.simulator_peer import endpoint_words, steady_unix_time
 
 pytestmark = pytest.mark.process
 
@@ -257,6 +257,13 @@ def test_gets_with_wildcards_bring_every_key_and_a_mistyped_key_is_told() -> Non
         while not client.errors and time.monotonic() < deadline:
             client.measures()
         assert [error.where for error in client.errors] == ["in/chair1/action"]
+
+
+def test_words_tell_where_it_listens_from_where_it_connects() -> None:
+    assert endpoint_words(link.Link(listen=("tcp/a:1", "tcp/b:2"))) == "listen=tcp/a:1,tcp/b:2"
+    assert endpoint_words(link.Link(connect=("tcp/a:1",))) == "connect=tcp/a:1"
+    assert endpoint_words(link.Link(listen=("tcp/a:1",), connect=("tcp/b:2",))) == "listen=tcp/a:1 connect=tcp/b:2"
+    assert endpoint_words(link.Link(config=Path("z.json5"))) == "config=z.json5"
 
 
 def test_world_has_one_simulator() -> None:

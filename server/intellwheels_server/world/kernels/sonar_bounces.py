@@ -20,10 +20,11 @@ from numba import njit
 from intellwheels_server.world.kernels import face_columns
 from intellwheels_server.world.kernels.proximity_wedges import Beam
 from intellwheels_server.world.kernels.sonar_corners import corner_width
+from intellwheels_server.world.kernels.sonar_face_grid import MANY_PAIRS, face_grid, faces_by_mirror
 from intellwheels_server.world.kernels.sonar_rough import add_view, nearest_in_sight
 from intellwheels_server.world.kernels.sonar_scene import SKIN, Counts, Scene
 from intellwheels_server.world.kernels.sonar_sight import blocked
-from intellwheels_server.world.kernels.sonar_widths import is_long, surface_length
+from intellwheels_server.world.kernels.sonar_surfaces import is_long_in_scene, length_in_scene
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -90,7 +91,7 @@ def _corner_in_wall(
         return best
     width = corner_width(
         scene.faces[face, face_columns.X], scene.faces[face, face_columns.Y], z, -to_x, -to_y, wave, scene.near,
-        counts.near, scene.pieces, scene.links, scene.edges,
+        scene.ranks, counts.near, scene.pieces, scene.links, scene.edges, scene.cells, scene.frame,
     )  # fmt: skip
     if width <= 0.0 or width < thin * distance * square:
         return best
@@ -160,6 +161,9 @@ def nearest_bounce(
         ):
             close[mirrors + others] = face
             others += 1
+    reached = close[mirrors : mirrors + others]
+    is_many = mirrors * others >= MANY_PAIRS
+    grid = face_grid(x, y, best, wave, faces, reached, scene.face_marks, scene.corners, scene.met, is_many)
     for at_mirror in range(mirrors):
         mirror = close[at_mirror]
         px, py = faces[mirror, face_columns.X] - x, faces[mirror, face_columns.Y] - y
@@ -168,11 +172,16 @@ def nearest_bounce(
         first, last = _in_beam(px, py, nx, ny, faces[mirror, face_columns.LENGTH], right_x, right_y, left_x, left_y)
         image_x, image_y = 2.0 * height * nx, 2.0 * height * ny
         # A way is longer than that to the mirror: most small faces of a round wall are too thin for any.
-        size = surface_length(mirror, thin * best * best * best, z, faces, counts.faces)
+        size = length_in_scene(mirror, thin * best * best * best, z, scene, counts)
         if size < thin * height * height * -height:
             continue
-        for at_other in range(mirrors, mirrors + others):
-            other = close[at_other]
+        met = -1
+        if is_many:
+            met = faces_by_mirror(
+                px, py, nx, ny, faces[mirror, face_columns.LENGTH], height, first, last, 2.0 * best, at_mirror + 1, grid
+            )
+        for at_other in range(met if met >= 0 else others):
+            other = reached[grid.found[at_other]] if met >= 0 else reached[at_other]
             if other == mirror:
                 continue
             qx, qy = faces[other, face_columns.X] - x, faces[other, face_columns.Y] - y
@@ -192,7 +201,7 @@ def nearest_bounce(
                         share < 1.0
                         and first <= at <= last
                         and size >= wide
-                        and is_long(other, wide, z, faces, counts.faces)
+                        and is_long_in_scene(other, wide, z, scene, counts)
                     ):
                         gone = math.sqrt(ax * ax + ay * ay)
                         if not blocked(x, y, z, ax, ay, 0.0, thin, -1, scene, counts) and not blocked(
@@ -228,7 +237,7 @@ def nearest_bounce(
                         and right_x * vertex_y - right_y * vertex_x >= 0.0
                         and vertex_x * left_y - vertex_y * left_x >= 0.0
                         and size >= thin * square * math.sqrt(square)
-                        and is_long(other, thin * square * math.sqrt(square), z, faces, counts.faces)
+                        and is_long_in_scene(other, thin * square * math.sqrt(square), z, scene, counts)
                         and not blocked(x, y, z, vertex_x, vertex_y, 0.0, thin, -1, scene, counts)
                     ):
                         best = math.sqrt(square)
@@ -255,7 +264,7 @@ def nearest_bounce(
             wide = thin * half * half * half
             if not first <= at <= last:
                 continue
-            if size < wide or not is_long(other, wide, z, faces, counts.faces):
+            if size < wide or not is_long_in_scene(other, wide, z, scene, counts):
                 continue
             gone = math.sqrt(ax * ax + ay * ay)
             if (
@@ -274,9 +283,10 @@ def nearest_bounce(
             told = nearest_in_sight(thing, x, y, z, nx, ny, height, views, thin, best, scene, counts)
             if told < best and size >= thin * told * told * told:
                 best = told
-        for at_other in range(mirrors, mirrors + others):
+        for at_other in range(met if met >= 0 else others):
+            other = reached[grid.found[at_other]] if met >= 0 else reached[at_other]
             best = _corner_in_wall(
-                close[at_other], x, y, z, nx, ny, height, right_end_x, right_end_y, left_end_x, left_end_y, size, thin,
+                other, x, y, z, nx, ny, height, right_end_x, right_end_y, left_end_x, left_end_y, size, thin,
                 wave, best, scene, counts,
             )  # fmt: skip
     return best

@@ -26,12 +26,15 @@ import numpy as np
 from numba import njit
 
 from intellwheels_server.world.kernels.arrays import (
+    CELL,
     EDGE_X,
     EDGE_Y,
     END_EDGE,
     FIRST_EDGE,
     NORMAL_X,
     NORMAL_Y,
+    ORIGIN_X,
+    ORIGIN_Y,
     PIECE_BOTTOM,
     PIECE_TOP,
     PIECE_X0,
@@ -42,6 +45,7 @@ from intellwheels_server.world.kernels.arrays import (
     Ints,
 )
 from intellwheels_server.world.kernels.elementary import PI, atan2, cos, sincos
+from intellwheels_server.world.kernels.grid import cell_of
 from intellwheels_server.world.kernels.sonar_widths import TOUCH
 
 # Corners of a polygon that stands for a round thing bend by no more than this, rad, and stand out by no more than this
@@ -98,8 +102,8 @@ def _length(edge: int, first: int, end: int, edges: Floats) -> float:
 
 @njit(cache=True, error_model="numpy")
 def corner_width(
-    x: float, y: float, z: float, to_x: float, to_y: float, wave: float, near: Ints, near_count: int, pieces: Floats,
-    links: Ints, edges: Floats,
+    x: float, y: float, z: float, to_x: float, to_y: float, wave: float, near: Ints, ranks: Ints, near_count: int,
+    pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats,
 ) -> float:  # fmt: skip
     """Return the width of the cylinder that is heard as far as a corner, m; 0 if it is not heard from there.
 
@@ -113,55 +117,70 @@ def corner_width(
         to_y: The same.
         wave: Wavelength, m.
         near: Of the scene, as the next one.
+        ranks: Of the scene.
         near_count: Of the scene.
-        pieces: Of the walls, as the next two.
+        pieces: Of the walls, as the next four.
         links: Of the walls.
         edges: Of the walls.
+        cells: Of the walls.
+        frame: Of the walls.
     """
     to_left = to_right = 2.0 * PI  # from the sound to the next face on either side
     left_side = right_side = 0.0
-    for at in range(near_count):
-        piece = near[at]
-        if not pieces[piece, PIECE_BOTTOM] <= z < pieces[piece, PIECE_TOP]:
-            continue
-        if not pieces[piece, PIECE_X0] - TOUCH <= x <= pieces[piece, PIECE_X1] + TOUCH:
-            continue
-        if not pieces[piece, PIECE_Y0] - TOUCH <= y <= pieces[piece, PIECE_Y1] + TOUCH:
-            continue
-        first, end = links[piece, FIRST_EDGE], links[piece, END_EDGE]
-        leaving = arriving = -1
-        apart = False
-        last = end - 1
-        beyond = edges[last, NORMAL_X] * (x - edges[last, EDGE_X]) + edges[last, NORMAL_Y] * (y - edges[last, EDGE_Y])
-        before = abs(beyond) <= TOUCH  # whether the corner is on the edge before
-        on_any = -1
-        for edge in range(first, end):
-            beyond = edges[edge, NORMAL_X] * (x - edges[edge, EDGE_X]) + edges[edge, NORMAL_Y] * (
-                y - edges[edge, EDGE_Y]
+    left_rank = right_rank = -1  # of two faces in one direction, that of the nearer rank counts
+    first_column = cell_of(x - TOUCH, frame[ORIGIN_X], frame[CELL], cells[0])
+    last_column = cell_of(x + TOUCH, frame[ORIGIN_X], frame[CELL], cells[0])
+    for row in range(
+        cell_of(y - TOUCH, frame[ORIGIN_Y], frame[CELL], cells[1]),
+        cell_of(y + TOUCH, frame[ORIGIN_Y], frame[CELL], cells[1]) + 1,
+    ):
+        for place in range(cells[2 + row * cells[0] + first_column], cells[2 + row * cells[0] + last_column + 1]):
+            piece = cells[place]
+            rank = ranks[piece]
+            if rank >= near_count or near[rank] != piece:
+                continue
+            if not pieces[piece, PIECE_BOTTOM] <= z < pieces[piece, PIECE_TOP]:
+                continue
+            if not pieces[piece, PIECE_X0] - TOUCH <= x <= pieces[piece, PIECE_X1] + TOUCH:
+                continue
+            if not pieces[piece, PIECE_Y0] - TOUCH <= y <= pieces[piece, PIECE_Y1] + TOUCH:
+                continue
+            first, end = links[piece, FIRST_EDGE], links[piece, END_EDGE]
+            leaving = arriving = -1
+            apart = False
+            last = end - 1
+            beyond = edges[last, NORMAL_X] * (x - edges[last, EDGE_X]) + edges[last, NORMAL_Y] * (
+                y - edges[last, EDGE_Y]
             )
-            apart |= beyond > TOUCH
-            on = abs(beyond) <= TOUCH
-            if on:
-                on_any = edge
-                if before:
-                    leaving, arriving = edge, edge - 1 if edge > first else last
-            before = on
-        if apart:
-            continue
-        if on_any < 0:
-            return 0.0  # inside a wall
-        if leaving < 0:  # in the middle of an edge
-            leaving = arriving = on_any
-        ax, ay = -edges[leaving, NORMAL_Y], edges[leaving, NORMAL_X]
-        bx, by = edges[arriving, NORMAL_Y], -edges[arriving, NORMAL_X]
-        angle = atan2(to_x * ay - to_y * ax, to_x * ax + to_y * ay)
-        angle += 2.0 * PI if angle < 0.0 else 0.0
-        if angle < to_left:
-            to_left, left_side = angle, _length(leaving, first, end, edges)
-        angle = atan2(bx * to_y - by * to_x, to_x * bx + to_y * by)
-        angle += 2.0 * PI if angle < 0.0 else 0.0
-        if angle < to_right:
-            to_right, right_side = angle, _length(arriving, first, end, edges)
+            before = abs(beyond) <= TOUCH  # whether the corner is on the edge before
+            on_any = -1
+            for edge in range(first, end):
+                beyond = edges[edge, NORMAL_X] * (x - edges[edge, EDGE_X]) + edges[edge, NORMAL_Y] * (
+                    y - edges[edge, EDGE_Y]
+                )
+                apart |= beyond > TOUCH
+                on = abs(beyond) <= TOUCH
+                if on:
+                    on_any = edge
+                    if before:
+                        leaving, arriving = edge, edge - 1 if edge > first else last
+                before = on
+            if apart:
+                continue
+            if on_any < 0:
+                return 0.0  # inside a wall
+            if leaving < 0:  # in the middle of an edge
+                leaving = arriving = on_any
+            ax, ay = -edges[leaving, NORMAL_Y], edges[leaving, NORMAL_X]
+            bx, by = edges[arriving, NORMAL_Y], -edges[arriving, NORMAL_X]
+            angle = atan2(to_x * ay - to_y * ax, to_x * ax + to_y * ay)
+            angle += 2.0 * PI if angle < 0.0 else 0.0
+            if angle < to_left or (angle == to_left and rank < left_rank):
+                to_left, left_side, left_rank = angle, _length(leaving, first, end, edges), rank
+            angle = atan2(bx * to_y - by * to_x, to_x * bx + to_y * by)
+            angle += 2.0 * PI if angle < 0.0 else 0.0
+            if angle < to_right or (angle == to_right and rank < right_rank):
+                to_right, right_side, right_rank = angle, _length(arriving, first, end, edges), rank
     bend = to_left + to_right - PI
     if bend < _FLAT or bend > PI or min(to_left, to_right) < 0.5 * PI - _FLAT:
         return 0.0

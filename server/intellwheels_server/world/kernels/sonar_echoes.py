@@ -51,7 +51,7 @@ from intellwheels_server.world.kernels.sonar_crosstalk import Sonars, hear_other
 from intellwheels_server.world.kernels.sonar_rough import add_view, is_in_wall, nearest_in_sight
 from intellwheels_server.world.kernels.sonar_scene import Counts, Scene, gather_scene, scene_room
 from intellwheels_server.world.kernels.sonar_sight import blocked
-from intellwheels_server.world.kernels.sonar_widths import is_long
+from intellwheels_server.world.kernels.sonar_surfaces import is_long_in_scene
 from intellwheels_server.world.kernels.spatial_query import SLACK, place_bodies
 
 
@@ -82,7 +82,7 @@ def _nearest_smooth(
         if -SLACK <= along <= length + SLACK:
             if (
                 -(nx * direction_x + ny * direction_y) >= wall_cos
-                and is_long(face, thin * height * height * -height, z, faces, counts.faces)
+                and is_long_in_scene(face, thin * height * height * -height, z, scene, counts)
                 and not blocked(x, y, z, height * nx, height * ny, 0.0, thin, -1, scene, counts)
             ):
                 best = -height
@@ -95,8 +95,9 @@ def _nearest_smooth(
         if distance >= best or direction_x * px + direction_y * py < wall_cos * distance:
             continue
         width = corner_width(
-            x + px, y + py, z, -px, -py, wave, scene.near, counts.near, scene.pieces, scene.links, scene.edges
-        )
+            x + px, y + py, z, -px, -py, wave, scene.near, scene.ranks, counts.near, scene.pieces, scene.links,
+            scene.edges, scene.cells, scene.frame,
+        )  # fmt: skip
         if width <= 0.0 or width < thin * distance * square:
             continue
         if not blocked(x, y, z, px, py, 0.0, thin, -1, scene, counts):

@@ -45,9 +45,18 @@ class Scene(NamedTuple):
         boxes: float64[parts, 10], columns of a block of boxes: the parts of bodies, those of a body together.
         owners: int64[parts], the body of each box.
         near: int64[pieces], wall pieces.
+        ranks: int64[pieces], the place of each of them in `near`; of other pieces something.
         posts: int64[pieces], those of them that are posts.
         faces: float64[edges, 7], columns of `face_columns`; those that no sonar is in front of come last.
         close: int64[2 edges], scratch for faces.
+        turn_of: float64[edges], the direction of each face as `turn_of` gives it, where there are many.
+        turns: float64[edges], the same, ascending.
+        by_turn: int64[edges], the faces in this order.
+        alike: int64[MOST_ALIKE], scratch of `sonar_surfaces`.
+        alike_faces: float64[MOST_ALIKE, 7], scratch of the same.
+        face_marks: int64[edges], scratch of `sonar_face_grid`, as the next two.
+        corners: float64[2, 3].
+        met: int64[edges].
         sides: float64[2, most sides, 6], scratch for two side blocks.
         views: float64[VIEWS, 6], scratch of `sonar_rough`.
         found: int64[bodies], scratch.
@@ -65,9 +74,18 @@ class Scene(NamedTuple):
     boxes: Floats
     owners: Ints
     near: Ints
+    ranks: Ints
     posts: Ints
     faces: Floats
     close: Ints
+    turn_of: Floats
+    turns: Floats
+    by_turn: Ints
+    alike: Ints
+    alike_faces: Floats
+    face_marks: Ints
+    corners: Floats
+    met: Ints
     sides: Floats
     views: Floats
     found: Ints
@@ -103,6 +121,10 @@ class Counts(NamedTuple):
 # Columns of a side block: see `sonar_faces`.
 SIDE_COLUMNS = 6
 
+# Faces around a mount from which on they are sorted by direction, and the most that are copied for one of them.
+MANY_FACES = 256
+MOST_ALIKE = 32
+
 # Room for directions in which the nearest point of a rough thing is still to be looked for; see `sonar_rough`.
 VIEWS = 64
 
@@ -118,9 +140,18 @@ def scene_room(placed: PlacedBodies, walls: Walls) -> Scene:
         np.empty((parts, 10)),
         np.empty(parts, np.int64),
         np.empty(pieces, np.int64),
+        np.zeros(pieces, np.int64),
         np.empty(pieces, np.int64),
         np.empty((edges, face_columns.COUNT)),
         np.empty(2 * edges, np.int64),
+        np.empty(edges),
+        np.empty(edges),
+        np.empty(edges, np.int64),
+        np.empty(MOST_ALIKE, np.int64),
+        np.empty((MOST_ALIKE, face_columns.COUNT)),
+        np.empty(edges, np.int64),
+        np.empty((2, 3)),
+        np.empty(edges, np.int64),
         np.empty((2, most, SIDE_COLUMNS)),
         np.empty((VIEWS, 6)),
         np.empty(placed.extents.shape[0], np.int64),
@@ -137,24 +168,47 @@ def scene_room(placed: PlacedBodies, walls: Walls) -> Scene:
 
 
 @njit(cache=True, error_model="numpy")
-def _is_post(
+def turn_of(x: float, y: float) -> float:
+    """Return a number in [0, 4] that grows with the direction of a vector, by at most 1 for each radian."""
+    share = y / (abs(x) + abs(y))
+    if x < 0.0:
+        return 2.0 - share
+    return share if share >= 0.0 else 4.0 + share
+
+
+@njit(cache=True, error_model="numpy")
+def _find_posts(
+    piece: int, pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, members: Ints, marks: Ints,
+    posts_known: Ints,
+) -> None:  # fmt: skip
+    """Store for some pieces of a solid, one of which is given, whether they are of a post.
+
+    The search ends where the solid is too wide for a post. What it has found by then is of the same solid.
+    """
+    count, is_post = _post_pieces(piece, pieces, links, edges, cells, frame, members, marks)
+    for at in range(count):
+        posts_known[members[at]] = is_post
+
+
+@njit(cache=True, error_model="numpy")
+def _post_pieces(
     piece: int, pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, members: Ints, marks: Ints
-) -> bool:
-    """Return whether the solid of a piece is a post: no two of its corners are farther apart than `POST`."""
+) -> tuple[int, bool]:
+    """Return how many pieces of a solid it found, and whether no two corners are farther apart than `POST`."""
     for across in range(2):
         count, low, high = gather_solid(
             piece, float(across), 1.0 - across, POST, pieces, links, edges, cells, frame, members, marks
         )
         if high - low > POST:
-            return False
+            return count, False
     for one in range(count):
         for other in range(one + 1):
             for a in range(links[members[one], FIRST_EDGE], links[members[one], END_EDGE]):
                 for b in range(links[members[other], FIRST_EDGE], links[members[other], END_EDGE]):
                     dx, dy = edges[a, EDGE_X] - edges[b, EDGE_X], edges[a, EDGE_Y] - edges[b, EDGE_Y]
                     if dx * dx + dy * dy > POST * POST:
-                        return False
-    return True
+                        return count, False
+    return count, True
 
 
 @njit(cache=True, error_model="numpy")
@@ -182,8 +236,9 @@ def gather_scene(place: Place, spread: float, placed: PlacedBodies, scene: Scene
     near_count = pieces_near(place, pieces, cells, frame, near, scene.found_for)
     for at in range(near_count):
         piece = near[at]
+        scene.ranks[piece] = at
         if posts_known[piece] < 0:
-            posts_known[piece] = _is_post(piece, pieces, links, edges, cells, frame, scene.members, scene.marks)
+            _find_posts(piece, pieces, links, edges, cells, frame, scene.members, scene.marks, posts_known)
         if posts_known[piece] > 0:
             posts[post_count] = piece
             post_count += 1
@@ -212,4 +267,10 @@ def gather_scene(place: Place, spread: float, placed: PlacedBodies, scene: Scene
             faces[at_face, face_columns.LOW] = pieces[piece, PIECE_BOTTOM]
             faces[at_face, face_columns.HIGH] = pieces[piece, PIECE_TOP]
             face_count += 1
+    if face_count >= MANY_FACES:
+        for face in range(face_count):
+            scene.turn_of[face] = turn_of(faces[face, face_columns.NX], faces[face, face_columns.NY])
+        scene.by_turn[:face_count] = np.argsort(scene.turn_of[:face_count])
+        for at in range(face_count):
+            scene.turns[at] = scene.turn_of[scene.by_turn[at]]
     return Counts(box_count, near_count, post_count, front_count, face_count)
