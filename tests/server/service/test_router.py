@@ -81,6 +81,11 @@ def test_zenoh_accepts_the_printed_configuration(capsys: pytest.CaptureFixture[s
     assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
 
 
+def test_denials_are_of_a_lab_only(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--no-denials"]) == 2
+    assert capsys.readouterr().err == "iw-router: --no-denials: expected --lab too, got none\n"
+
+
 @pytest.mark.process
 def test_port_in_use_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
@@ -114,7 +119,7 @@ def test_router_begins_again_when_the_last_day_of_an_identity_is_over(
     monkeypatch.setattr(command, "_today", lambda: next(days, last + datetime.timedelta(days=1)))
     monkeypatch.setattr(command, "stop_on_signals", lambda _lifeline: threading.Event())
     monkeypatch.setattr(os, "execv", lambda _program, words: replaced.append(words))
-    assert main(["--lab", str(file), "--listen", endpoint()]) == 0
+    assert main(["--lab", str(file), "--listen", endpoint(), "--no-denials"]) == 0
     assert next(days, None) is None, "not before its last day is over"
     assert replaced == [sys.orig_argv]
     assert "iw-router: restarted why='the last day of guest is over'" in capfd.readouterr().err
