@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-import signal
 import subprocess
 import sys
 from typing import Final
@@ -37,7 +36,10 @@ class DenialProcess:
         reading, writing = os.pipe()
         with contextlib.suppress(OSError):
             fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, _ROOM)
-        self._child = subprocess.Popen([*PYTHON, "-m", __name__], stdin=reading, stdout=subprocess.DEVNULL)
+        # In a session of its own, as signals are for the router; it ends when the log does.
+        self._child = subprocess.Popen(
+            [*PYTHON, "-m", __name__], stdin=reading, stdout=subprocess.DEVNULL, start_new_session=True
+        )
         os.dup2(writing, 1)
         os.close(reading)
         os.close(writing)
@@ -74,9 +76,6 @@ class DenialProcess:
 
 def main() -> int:
     """Report until the log ends, which it does with the router. Return the exit code."""
-    # A signal is for the router. The last lines come after it.
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, signal.SIG_IGN)
     denials = Denials()
     for line in sys.stdin.buffer:
         if words := denials.note(line):

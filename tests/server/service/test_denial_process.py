@@ -10,11 +10,10 @@ import pytest
 from tests.server.service.test_denials import ACTIONS, DROPPED, STUDENT, line
 
 PROGRAM = """
-import os, signal, sys
+import os, sys
 from intellwheels_server.service.denial_process import DenialProcess
 report = DenialProcess()
 if sys.argv[1] == "killed":
-    report._child.send_signal(signal.SIGTERM)
     report._child.kill()
     report._child.wait()
     print(report.has_ended(), report.has_ended(), file=report.out)

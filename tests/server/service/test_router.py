@@ -144,6 +144,33 @@ def test_router_that_is_replaced_again_and_again_waits_longer_each_time(
 
 
 @pytest.mark.process
+def test_router_of_a_lab_that_begins_again_reports_denials_as_before(tmp_path: Path) -> None:
+    address, file, log = endpoint(), tmp_path / "lab.xml", tmp_path / "log"
+    student = Identity(name="student1", may=(May(role="agent", agents=("st1-*",)),))
+    file.write_text(write_file(Lab(format="iw.v1", name="lab", identity=(student,))))
+    assert lab_keys.main(["invite", "student1", "--lab", str(file), "--out", str(tmp_path / "own.iwid")]) == 0
+    with log.open("w") as errors, router(address, "--lab", str(file), stderr=errors) as child:
+        # What Zenoh would print.
+        Path(f"/proc/{child.pid}/fd/2").write_text(
+            "thread 'rx-1' (1) panicked at zenoh-transport/src/pipeline.rs:1:1\n"
+        )
+        assert child.stdout is not None
+        assert child.stdout.readline() == f"ready listen={address}\n"
+        route = link.Link(connect=(address,), identity=tmp_path / "own.iwid")
+        session = link.open_session(route, threading.Event(), timeout=DEADLINE)
+        assert session is not None
+        with session:
+            session.put("iw/v1/main/in/st2-a/actions", b"{}")
+            with pytest.raises(ConnectionError, match="student1 may not ask for ctl/pause in world main"):
+                link.query(session, "iw/v1/main/ctl/pause", b"{}", timeout=0.5)
+    # The reader ends with the router, and writes the last lines first.
+    said = log.read_text()
+    assert "restarted why=" in said
+    assert "denied why='student1 may not write in/st2-a/actions in world main' times=1" in said
+    assert "denied why='student1 may not ask for ctl/pause in world main' times=1" in said
+
+
+@pytest.mark.process
 def test_connections_that_say_nothing_keep_nobody_out() -> None:
     address = endpoint()
     port = int(address.rpartition(":")[2])
