@@ -21,7 +21,7 @@ _NEEDS: Final[dict[Does, tuple[str, Flow]]] = {
     "query": ("query", "ingress"), "put": ("put", "ingress"), "read": ("put", "egress"),
     "watch": ("liveliness_token", "egress"),
 }  # fmt: skip
-_WORDS: Final[dict[Does, str]] = {"query": "ask for ", "put": "write ", "read": "read ", "watch": "see "}
+_WORDS: Final[dict[Does, str]] = {"query": "ask for", "put": "write", "read": "read", "watch": "see"}
 _JOINS: Final[dict[Role, tuple[LabRole, ...]]] = {
     "both": ("agent", "gateway"), "mind": ("agent", "mind", "gateway"), "body": ("bridge",),
 }  # fmt: skip
@@ -46,8 +46,16 @@ def denial(who: Identity, key: str, does: Does = "query") -> str:
     rules = [rule for may in who.may for rule in rules_for(may) if message in rule.messages and rule.flow == flow]
     if any(_covers(pattern, key) for rule in rules for pattern in rule.keys):
         return ""
+    world = key.removeprefix(f"{ROOT}/").partition("/")[0]
+    return f"{sentence(who.name, _WORDS[does], key)}{_elsewhere(who, world)}"
+
+
+def sentence(name: str, verb: str, key: str) -> str:
+    """Return in words that somebody may not do something with a key."""
+    if not key.startswith(f"{ROOT}/"):
+        return f"{name} may not {verb} {key}"
     world, _, rest = key.removeprefix(f"{ROOT}/").partition("/")
-    return f"{who.name} may not {_WORDS[does]}{rest} in world {world}{_elsewhere(who, world)}"
+    return f"{name} may not {verb} {rest} in world {world}"
 
 
 def join_denial(who: Identity, world: str, role: Role, agent: str) -> str:

@@ -55,14 +55,19 @@ def router_settings(listen: Sequence[str], more: Mapping[str, Any] | None = None
     return json.dumps(nested, indent=2) + "\n"
 
 
-def open_router(listen: Sequence[str], more: Mapping[str, Any] | None = None) -> zenoh.Session:
+def open_router(listen: Sequence[str], more: Mapping[str, Any] | None = None, log: str = "off") -> zenoh.Session:
     """Return a session that is a router, which connects its clients with each other. Use it in a `with` statement.
+
+    Args:
+        listen: Endpoints to listen at.
+        more: As for `router_settings`.
+        log: What Zenoh logs if `RUST_LOG` does not say it.
 
     Raises:
         ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
     """
     keep_out_of_logs(os.environ)
-    zenoh.init_log_from_env_or("off")
+    zenoh.init_log_from_env_or(log)
     try:
         config = zenoh.Config.from_json5(router_settings(listen, more))
         config.insert_json5("listen/exit_on_failure", "true")

@@ -58,7 +58,9 @@ LAB = Lab(
     format="iw.v1",
     name="attacked",
     identity=(
-        *(Identity(name=name, may=may) for name, may in _ROLES.items()),
+        *(Identity(name=name, may=may) for name, may in _ROLES.items() if name not in STRANGERS),
+        # One for each way in, so that the router's report tells them apart.
+        *(Identity(name=f"{name}-{way}", may=_ROLES[name]) for name in STRANGERS for way in WAYS),
         Identity(name="bridge1", certificate=True, may=(May(role="bridge", agents=(REAL,)),)),
         Identity(name="expired", until="2090-01-01", may=_ROLES["teacher"]),
         Identity(name="revoked", may=_ROLES["teacher"]),
@@ -167,7 +169,7 @@ class Room:
         self.student = self.session("student1", "certificate")
         self.other = self.session("simulator", "password")
         self.other.declare_queryable("iw/v1/other/map", _answer)
-        self.sessions = {(who, way): self.session(who, way) for who in STRANGERS for way in WAYS}
+        self.sessions = {(who, way): self.session(f"{who}-{way}", way) for who in STRANGERS for way in WAYS}
         for (who, _), session in self.sessions.items():
             self.settle(session, "other" if who == "operator" else "main")
 
@@ -227,6 +229,10 @@ class Room:
             return sum(key.endswith("/clock") for key, _ in list(self.heard)[first:]) >= count or None
 
         self.stage.wait(found, f"{count} ticks", unless="server")
+
+    def is_reported(self, words: str) -> None:
+        """Wait until the router has said that something was denied."""
+        self.stage.wait(lambda: words in self.stage.log("router") or None, f"{words!r} of the router", unless="server")
 
     def _hear(self, sample: zenoh.Sample) -> None:
         self.heard.append((str(sample.key_expr), bytes(sample.payload)))
@@ -318,15 +324,22 @@ def _answers(room: Room, session: zenoh.Session, attack: Attack, settle: Callabl
 
 
 _DOES = {"puts": _puts, "asks": _asks, "reads": _reads, "appears": _appears, "answers": _answers}
+_VERBS = {"puts": "write", "asks": "ask for", "reads": "read", "appears": "appear at", "answers": "answer"}
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("who", STRANGERS)
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_stranger_achieves_nothing(room: Room, attack: str, who: str, way: str) -> None:
+def test_stranger_achieves_nothing_and_is_reported(room: Room, attack: str, who: str, way: str) -> None:
     session, case = room.sessions[who, way], ATTACKS[attack]
     world = "other" if who == "operator" else "main"
     assert not _DOES[case.does](room, session, case, lambda: room.settle(session, world))
+    if (who, way) == ("operator", "router") and case.does in ("puts", "asks"):
+        return  # a router that is not told who listens in a world sends nothing to it
+    key = case.key.replace(f"/{MARK}", "/*").replace(f"/*/{OTHER_CREW}", "/*").replace(f"/*/{CREW}", "/*")
+    room.is_reported(
+        f"{who}-{way} may not {_VERBS[case.does]} {key.replace('alive/1000000000000/*', 'alive/*')} in world"
+    )
 
 
 @pytest.mark.parametrize("attack", [name for name, attack in ATTACKS.items() if attack.twin])
@@ -388,11 +401,18 @@ def test_who_is_no_identity_any_more_does_not_get_in_and_is_told(room: Room, who
     words = "expects --identity FILE" if who == "none" else "refuses .* ask for another file, made with iw-lab invite"
     with pytest.raises(ConnectionError, match=words):
         link.open_session(route, threading.Event(), timeout=0.0)
+    if who == "none":
+        shown = "no identity" if way == "password" else "no certificate"
+    else:
+        stranger = who == "foreign" and way == "certificate"
+        shown = "a certificate of another lab" if stranger else "an unknown name or a wrong password"
+    room.is_reported(f"somebody showed {shown}")
 
 
 def test_certificate_ends_for_the_router_too(room: Room) -> None:
     with pytest.raises(ConnectionError, match="refuses foreign"):
         link.open_session(room.route("ended-certificate", "certificate"), threading.Event(), timeout=0.0)
+    room.is_reported("somebody showed a certificate that has expired")
 
 
 def test_password_alone_is_not_enough_where_a_certificate_is_asked_for(room: Room) -> None:
@@ -409,6 +429,7 @@ def test_long_messages_end_at_the_router(room: Room) -> None:
         agent.put(key, b"x" * size)
         room.settle(agent)
     assert [len(data) for heard, data in list(room.heard) if heard == key] == [limit]
+    room.is_reported("agent-password may not write in/st2-a/actions in world main at such length")
 
 
 def test_flood_of_messages_leaves_others_their_ticks_and_commands(room: Room) -> None:

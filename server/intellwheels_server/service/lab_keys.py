@@ -71,7 +71,11 @@ def parser() -> argparse.ArgumentParser:
         help="name or address by which other machines reach the router at a tls/ endpoint, put into its certificate; "
         "localhost, 127.0.0.1 and ::1 are always in it; may be repeated, and is remembered",
     )  # fmt: skip
-    invite = action("invite", "write identity files, for --identity of any command")
+    invite = action(
+        "invite",
+        "write identity files, for --identity of any command; make passwords, and the certificates of the lab and its "
+        "router, if there are none",
+    )
     renew = action(
         "renew", "write identity files again, with a later expiry date; old files are valid until they expire"
     )
@@ -147,7 +151,7 @@ class _LabDesk:
             raise WireError("value", f"certificates: {lacking}")
         if options.action == "keys":
             self._users()
-            self._certificates()
+            self._certificates(options.host)
         elif options.action == "revoke":
             self._users(revoked=[identity.name for identity in named])
         else:
@@ -183,13 +187,13 @@ class _LabDesk:
             _log(RESTART)
         return users
 
-    def _certificates(self) -> None:
+    def _certificates(self, asked: Sequence[str]) -> None:
         if not self._signs:
             return
         from intellwheels_server.service import lab_certificates as made  # noqa: PLC0415 - needs an extra
 
         authority = made.authority_of(self._files, self._lab.name, self._today)
-        if made.ensure_router(self._files, authority, tuple(self._options.host), self._today):
+        if made.ensure_router(self._files, authority, tuple(asked), self._today):
             hosts = ",".join(sorted(made.router_hosts(self._files)))
             _print(f"wrote certificate=router hosts={hosts} file={self._files.router}")
             _log("restart iw-router if it runs: it reads its certificate when it starts")
@@ -212,13 +216,12 @@ class _LabDesk:
     def _certified(self, own: IdentityFile) -> IdentityFile:
         from intellwheels_server.service import lab_certificates as made  # noqa: PLC0415 - needs an extra
 
+        reached = [host_of(endpoint) for endpoint in own.connect if endpoint.startswith("tls/")]
+        if not self._files.router.exists():
+            self._certificates(reached)
         hosts = made.router_hosts(self._files)
-        if not hosts:
-            text = f"{self._files.router}: expected the router's certificate, got none; run iw-lab keys first"
-            raise WireError("value", text)
-        for endpoint in own.connect:
-            host = host_of(endpoint)
-            if endpoint.startswith("tls/") and host not in hosts:
+        for host in reached:
+            if host not in hosts:
                 got = f"{host}; run iw-lab keys --host {host} first"
                 raise WireError("value", f"--connect: expected a host of the router's certificate, got {got}")
         authority = made.authority_of(self._files, self._lab.name, self._today)

@@ -24,6 +24,8 @@ from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 from intellwheels_schemas.router_link import guard_sessions, open_router, open_words, router_settings
 from intellwheels_schemas.session_count import MAX_SESSIONS
+from intellwheels_server.service.denial_process import DenialProcess
+from intellwheels_server.service.denials import LOG
 from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
 from intellwheels_server.service.lab_router import checked_settings
 
@@ -42,6 +44,7 @@ examples:
   iw-router --lab LAB.xml --listen tcp/0.0.0.0:7447           for the identities of a lab only (see iw-lab --help)
   iw-router --print > router.json5 && zenohd -c router.json5  the official router with this configuration
 
+With --lab, each denial is reported the 1st, 10th, 100th time and so on; not if RUST_LOG asks for Zenoh's own log.
 Standard output has `ready listen=...` when others can connect. Exit codes: 0 done, 1 failed, 2 wrong usage.
 """
 
@@ -69,6 +72,10 @@ def parser() -> argparse.ArgumentParser:
         "--max-sessions", type=whole(1, 10_000), metavar="N",
         help="sessions that one certificate, or one address without certificates, may have at a time, in [1, 10000]; "
         f"more are closed and reported (default: {MAX_SESSIONS}; this machine without certificates: no limit)",
+    )  # fmt: skip
+    found.add_argument(
+        "--no-denials", dest="denials", action="store_false",
+        help="do not report what the rules of the lab deny; that saves about a third of the router's work",
     )  # fmt: skip
     add_process_options(found)
     return found
@@ -106,6 +113,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except WireError as error:
         _log(str(error))
         return 2
+    if files is None and not options.denials:
+        _log("--no-denials: expected --lab too, got none")
+        return 2
     if options.print:
         print(router_settings(listen, more), end="")
         return 0
@@ -113,13 +123,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if pause := _pause():
         _log(f"waiting seconds={pause:g} why='restarted before'")
         stop.wait(pause)
+    # With its own standard error, and without anything of Zenoh.
+    report = DenialProcess() if more is not None and options.denials and not os.environ.get("RUST_LOG") else None
     began = time.monotonic()
-    watch = PanicWatch(lambda line: _begin_again(watch, line, next_pause(pause, time.monotonic() - began)))
+    watch = PanicWatch(lambda line: _begin_again(watch, report, line, next_pause(pause, time.monotonic() - began)))
     over = ""
-    if stop.is_set():
-        return 0
     try:
-        with open_router(listen, more) as session:
+        if stop.is_set():
+            return 0
+        with open_router(listen, more, "off" if report is None else LOG) as session:
             identities = () if files is None else read_lab(files.lab).identity
             let_in = [identity for identity in identities if not has_expired(identity, today)]
             kept = [*answer_rights(session, identities), guard_sessions(session, options.max_sessions, _log)]
@@ -127,17 +139,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 _log(warning)
             if more is None:
                 _log(open_words(listen))
-            print(f"ready listen={','.join(listen)}", flush=True)
+            out = sys.stdout if report is None else report.out
+            print(f"ready listen={','.join(listen)}", file=out, flush=True)
             while not over and not stop.wait(SLICE):
+                if report is not None and report.has_ended():
+                    _log("denials are not reported any more: restart iw-router")
                 over = ", ".join(one.name for one in let_in if has_expired(one, _today()))
             for one in kept:
                 one.undeclare()
     except ConnectionError as error:
         _log(str(error))
         return 1
+    finally:
+        if report is not None:
+            report.close()
     if over:
         # Zenoh keeps its users and their sessions until it ends.
-        _begin_again(watch, f"the last day of {over} is over")
+        _begin_again(watch, None, f"the last day of {over} is over")
     return 0
 
 
@@ -167,10 +185,12 @@ def _pause() -> float:
         return 0.0
 
 
-def _begin_again(watch: PanicWatch, why: str, pause: float = 0.0) -> None:
+def _begin_again(watch: PanicWatch, report: DenialProcess | None, why: str, pause: float = 0.0) -> None:
     """Replace this process by a new one, which listens at the same endpoints. A router keeps nothing."""
     watch.close()
     _log(f"restarted why={why!r}")
+    if report is not None:
+        report.close()
     os.environ[_PAUSE] = str(pause)
     os.execv(sys.executable, sys.orig_argv)  # noqa: S606 - this process's own command line
 

@@ -81,6 +81,11 @@ def test_zenoh_accepts_the_printed_configuration(capsys: pytest.CaptureFixture[s
     assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
 
 
+def test_denials_are_of_a_lab_only(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--no-denials"]) == 2
+    assert capsys.readouterr().err == "iw-router: --no-denials: expected --lab too, got none\n"
+
+
 @pytest.mark.process
 def test_port_in_use_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
@@ -114,7 +119,7 @@ def test_router_begins_again_when_the_last_day_of_an_identity_is_over(
     monkeypatch.setattr(command, "_today", lambda: next(days, last + datetime.timedelta(days=1)))
     monkeypatch.setattr(command, "stop_on_signals", lambda _lifeline: threading.Event())
     monkeypatch.setattr(os, "execv", lambda _program, words: replaced.append(words))
-    assert main(["--lab", str(file), "--listen", endpoint()]) == 0
+    assert main(["--lab", str(file), "--listen", endpoint(), "--no-denials"]) == 0
     assert next(days, None) is None, "not before its last day is over"
     assert replaced == [sys.orig_argv]
     assert "iw-router: restarted why='the last day of guest is over'" in capfd.readouterr().err
@@ -136,6 +141,33 @@ def test_router_that_is_replaced_again_and_again_waits_longer_each_time(
     assert main([]) == 0
     assert "IW_ROUTER_PAUSE" not in os.environ
     assert "waiting seconds=4 why='restarted before'" in capfd.readouterr().err
+
+
+@pytest.mark.process
+def test_router_of_a_lab_that_begins_again_reports_denials_as_before(tmp_path: Path) -> None:
+    address, file, log = endpoint(), tmp_path / "lab.xml", tmp_path / "log"
+    student = Identity(name="student1", may=(May(role="agent", agents=("st1-*",)),))
+    file.write_text(write_file(Lab(format="iw.v1", name="lab", identity=(student,))))
+    assert lab_keys.main(["invite", "student1", "--lab", str(file), "--out", str(tmp_path / "own.iwid")]) == 0
+    with log.open("w") as errors, router(address, "--lab", str(file), stderr=errors) as child:
+        # What Zenoh would print.
+        Path(f"/proc/{child.pid}/fd/2").write_text(
+            "thread 'rx-1' (1) panicked at zenoh-transport/src/pipeline.rs:1:1\n"
+        )
+        assert child.stdout is not None
+        assert child.stdout.readline() == f"ready listen={address}\n"
+        route = link.Link(connect=(address,), identity=tmp_path / "own.iwid")
+        session = link.open_session(route, threading.Event(), timeout=DEADLINE)
+        assert session is not None
+        with session:
+            session.put("iw/v1/main/in/st2-a/actions", b"{}")
+            with pytest.raises(ConnectionError, match="student1 may not ask for ctl/pause in world main"):
+                link.query(session, "iw/v1/main/ctl/pause", b"{}", timeout=0.5)
+    # The reader ends with the router, and writes the last lines first.
+    said = log.read_text()
+    assert "restarted why=" in said
+    assert "denied why='student1 may not write in/st2-a/actions in world main' times=1" in said
+    assert "denied why='student1 may not ask for ctl/pause in world main' times=1" in said
 
 
 @pytest.mark.process
