@@ -39,6 +39,8 @@ _THEIRS_LIGHT: Final = (
     "--mantine-color-red-filled-hover:#9c1116;--mantine-color-custom-filled-hover:#004375;"
     "--mantine-primary-color-filled-hover:#004375"
 )
+# Below the clock there is room for a note (three lines beside the scene), so that nothing moves when one comes. A
+# longer note scrolls.
 # On the right, text keeps clear of the scrollbar that viser lays over a panel that is longer than the window: 12 px. It
 # is made 7 px wide here, because viser's own elements end 9 px before the edge.
 # The contrast of every text colour with its background is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
@@ -88,7 +90,10 @@ overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 .iw-bar{height:5px;border:solid var(--iw-soft);border-width:0 1px 1px}
 div:has(>[data-testid=agents]){max-height:min(44vh,430px);overflow-y:auto;overscroll-behavior:contain}
 .iw tr:has(th) th{position:sticky;top:0;background:var(--iw-ground);z-index:1}
-[data-testid=drive],[data-testid=place]{min-height:58px}[data-testid=clock]{min-height:158px}
+[data-testid=drive],[data-testid=place]{min-height:58px}
+[data-testid=clock]{--room:58px;min-height:calc(88px + var(--room))}
+[data-testid=clock] .iw-note{max-height:calc(var(--room) - 4px);overflow-y:auto;font-size:12px;line-height:16px;
+padding:3px 8px}
 .iw-spark{display:block;margin-left:auto}.iw td.iw-word{font-size:11px;color:var(--iw-soft)}
 .iw-choice{display:flex;align-items:center;gap:8px;padding-top:3px;padding-bottom:3px;color:var(--iw-soft)}
 .iw-choice>span{flex:0 0 auto;min-width:56px}
@@ -101,6 +106,7 @@ border:0;padding:5px 3px;cursor:pointer;flex:1 1 auto}
 .iw-segments button:disabled{color:var(--iw-soft);cursor:not-allowed;opacity:.6}
 .iw-segments button:focus-visible,.iw-tools button:focus-visible{outline:2px solid var(--iw-focus);
 outline-offset:-2px}
+:is(.iw-segments,.iw-tools) button[aria-pressed=true]:focus-visible{outline-color:var(--iw-ground)}
 .iw-tools{display:flex;gap:5px}
 .iw-tools button{border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
 .iw-tools button[aria-pressed=true]{background:var(--iw-red);border-color:var(--iw-red);color:var(--iw-floor)}
@@ -144,7 +150,8 @@ color:var(--iw-amber)}#iw-bar .iw-now i.good{color:var(--iw-green)}#iw-bar .iw-n
 #iw-bar .iw-now span{font-size:12px;line-height:14px;color:var(--iw-soft)}
 #iw-bar button[aria-pressed=true]{background:var(--iw-tint);box-shadow:inset 0 3px var(--iw-focus);font-weight:600}
 .iw-stick{width:148px;height:148px}.iw-stick .iw-knob{left:53px;top:53px}.iw-stick u[style]{display:none}
-.iw-segments button,.iw-tools button{min-height:40px;font-size:13px}}
+.iw-segments button,.iw-tools button{min-height:40px;font-size:13px}[data-testid=clock]{--room:42px}}
+@media (max-height:499.98px){[data-testid=clock]{--room:26px}}
 @media (max-width:575.98px){
 .mantine-Paper-root[style*="max-height: 60%"]{width:100vw!important;bottom:56px!important;max-height:56dvh!important}
 .mantine-Paper-root[style*="max-height: 60%"] [style*="width: 20em"]{width:100vw!important}
