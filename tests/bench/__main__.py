@@ -66,7 +66,7 @@ def main() -> None:
     if "crews" in wanted:
         rows += crews.bench(seconds=1.0, small=True) if options.quick else crews.bench()
     if "viewer" in wanted:
-        rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
+        rows += viewer.bench((2,), seconds=1.0, settle=2.0, frames=1) if options.quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "imports" in wanted:
