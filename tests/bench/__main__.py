@@ -86,7 +86,7 @@ def run(wanted: list[str], *, quick: bool) -> list[Row]:
     if "crews" in wanted:
         rows += crews.bench(seconds=1.0, small=True) if quick else crews.bench()
     if "viewer" in wanted:
-        rows += viewer.bench((2,), seconds=1.0, settle=1.0) if quick else viewer.bench()
+        rows += viewer.bench((2,), seconds=1.0, settle=1.0, frames=1) if quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if quick else loads.bench()
     if "imports" in wanted:

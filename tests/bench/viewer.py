@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from tests.bench.frames import AGENTS, SIZE
 from tests.bench.network import cpu_of, process
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
@@ -101,9 +103,24 @@ def draw(chairs: int, seconds: float) -> None:
     os._exit(0)
 
 
-def bench(chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 10.0, settle: float = SETTLE) -> list[Row]:
+def drawn(count: int) -> list[Row]:
+    """Return how fast a browser draws; no rows without Chromium."""
+    if shutil.which("chromium") is None:
+        return []
+    with process("tests.bench.frames", str(count)) as child:
+        shown, of_cpu = said(child, "frames a second:").split(", of CPU time: ")
+    case = f"ward, {AGENTS} agents that move, {SIZE[0]} x {SIZE[1]}, in software"
+    return [
+        Row("viewer", case, "frames of the browser", float(shown), "1/s"),
+        Row("viewer", case, "frames a second of its CPU time", float(of_cpu), "1/s"),
+    ]
+
+
+def bench(
+    chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 10.0, settle: float = SETTLE, frames: int = 10
+) -> list[Row]:
     """Return the rows."""
-    rows = []
+    rows = drawn(frames)
     for count in chairs:
         case = f"{count} chairs with 6 wedges, 20 Hz, 1 page"
         share, sent = drawing(count, seconds, settle)

@@ -106,10 +106,10 @@ class Screen:
     def __init__(self, page: Page, stage: Stage) -> None:
         self.page, self._stage = page, stage
 
-    def open(self, url: str) -> float:
+    def open(self, url: str, query: str = "") -> float:
         """Open the viewer's page, wait until it shows bodies, and return how many seconds that took."""
         begun = time.monotonic()
-        self.page.goto(f"{url}/?fixedDpr={SHARPNESS}")
+        self.page.goto(f"{url}/?fixedDpr={SHARPNESS}&{query}")
         self.wait(lambda: self.poses() or None, "bodies in the scene", OPENING)
         took = time.monotonic() - begun
         # Keys pressed before the page listens would be lost.

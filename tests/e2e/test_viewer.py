@@ -17,9 +17,12 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import av
 import pytest
+from PIL import Image, ImageStat
 
 from tests.e2e import strict_router
+from tests.e2e.page_audit import faint_texts, walked
 from tests.e2e.screen import OPENING, WAIT, Screen, Theatre, poses_of, turned
 from tests.e2e.stage import Peer, free_port, run
 from tests.viewer.growth import raw_page
@@ -36,6 +39,15 @@ CONNECTED = 40.0
 """Seconds until a page shows again what was killed and restarted: Zenoh tries every few seconds."""
 STILL = 2e-3
 """Metres a second: who is slower stands."""
+# What the page renders for a video is counted on its way out.
+_HEAR_PICTURES = """() => {
+  const view = window.__viserMutable, send = view.sendMessage;
+  window.iwPictures = 0;
+  view.sendMessage = message => {
+    if (message.type === 'GetRenderResponseMessage') window.iwPictures += 1;
+    send(message);
+  };
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -324,6 +336,100 @@ def test_a_chair_whose_mind_takes_goals_goes_where_the_floor_is_clicked_and_no_o
     peer.entity("goer", lambda body: body.get("Mode") == "arrived" and away(body, 4.5, 4.6) < 0.4)
     theatre.signal(child, signal.SIGTERM)
     assert theatre.exit(child) == 0
+
+
+# ---------------------------------------------------------------- for everybody
+
+
+def test_every_control_is_reached_with_keys_and_every_text_has_contrast(screen: Screen) -> None:
+    page = screen.page
+    screen.select("chair1")
+    buttons = {"Keys", "Find", "Picture", "Record", "Video", "Link", "Contacts", "Pause", "Find a command", "Settings"}
+    contents = {
+        "Agents": {"Selected"},
+        "Layers": {"System", "Light", "Dark", "Sensors"},
+        "Drive": {"Say it"},
+        "Place": {"Box"},
+    }
+    for tab, wanted in contents.items():
+        screen.tab(tab)
+        walk = walked(page)
+        assert (walk.missed, walk.unseen) == ([], []), tab
+        assert wanted | buttons <= set(walk.reached), tab
+        assert "" not in walk.reached
+    screen.tab("Layers")
+    for theme in ("Light", "Dark"):
+        page.locator(f"[data-choice={theme}]").press("Enter")
+        page.wait_for_selector(f"html[data-mantine-color-scheme={theme.lower()}]")
+        for tab in contents:
+            screen.tab(tab)
+            screen.wait(lambda tab=tab: page.get_by_role("tab", name=tab).get_attribute("aria-selected") or None, tab)  # type: ignore[misc]
+            assert faint_texts(page) == [], (theme, tab)
+        screen.tab("Layers")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_selector("#iw-bar", state="visible")
+    walk = walked(page)
+    assert (walk.missed, walk.unseen) == ([], [])
+    assert {"Pause or resume", "List", "Stick", "Events", "Keys and help"} <= set(walk.reached)
+
+
+def test_a_picture_a_video_and_a_link_hold_what_the_page_shows(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer, chromium: Any
+) -> None:
+    theatre, url = world
+    page = screen.page
+    screen.select("chair2")
+    page.keyboard.press("f")
+    peer.ctl("pause")
+    shown(screen, peer)
+    screen.rest()
+    before = screen.camera()
+    page.mouse.move(480, 300)
+    page.mouse.down()
+    page.mouse.move(540, 280, steps=4)
+    page.mouse.up()
+    screen.wait(lambda: math.dist(screen.camera(), before) > 0.2 or None, "another camera")
+    screen.rest()
+
+    with page.expect_download(timeout=WAIT * 1000) as saved:
+        screen.press("Picture")
+    picture = Image.open(saved.value.path()).convert("RGB")
+    assert saved.value.suggested_filename == f"intellwheels-{peer.clock()['Tick']}.png"
+    assert [*picture.size] == page.evaluate("[window.__viserMutable.canvas.width, window.__viserMutable.canvas.height]")
+    assert min(ImageStat.Stat(picture).stddev) > 10
+    assert len(picture.resize((128, 96)).getcolors(128 * 96) or ()) > 100
+
+    page.evaluate(_HEAR_PICTURES)
+    screen.press("Video")
+    page.get_by_role("button", name="Save", exact=True).wait_for()
+    for count in range(1, 5):
+        assert peer.ctl("step", Count=1)["Code"] == "ok"
+        screen.wait(lambda count=count: page.evaluate("window.iwPictures") >= count or None, "a picture")  # type: ignore[misc]
+    with page.expect_download(timeout=WAIT * 1000) as saved:
+        screen.press("Save")
+    with av.open(str(saved.value.path())) as video:
+        frames = list(video.decode(video=0))
+    assert len(frames) == page.evaluate("window.iwPictures")
+    assert [frame.time for frame in frames] == pytest.approx([0.05 * count for count in range(len(frames))])
+    assert [frames[0].width, frames[0].height] == [size // 2 * 2 for size in picture.size]
+    assert frames[0].to_ndarray(format="gray").std() > 10
+
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    screen.press("Link")
+    screen.wait(lambda: "camera=" in page.url or None, "the link in the address bar")
+    assert f"tick={peer.clock()['Tick']}" in page.url
+    screen.wait(lambda: page.evaluate("navigator.clipboard.readText()") == page.url or None, "the link to paste")
+    with theatre.screen(chromium) as other:
+        other.open(url, page.url.partition("?")[2])
+        other.page.wait_for_selector("tr.chosen[data-agent=chair2]")
+        other.wait(lambda: math.dist(other.camera(), screen.camera()) < 0.01 or None, "the same camera")
+        assert other.page.get_attribute("#iw-status", "data-tick") == page.get_attribute("#iw-status", "data-tick")
+        # It follows as the first page does.
+        teleport(peer, "chair2", 6.0, 5.0)
+        shown(other, peer)
+        other.rest()
+        screen.rest()
+        assert math.dist(other.camera(), screen.camera()) < 0.01
 
 
 # ---------------------------------------------------------------- the clock

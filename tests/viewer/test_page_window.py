@@ -7,7 +7,7 @@ from typing import Any, cast
 import pytest
 import viser
 
-from intellwheels_viewer.page_window import BAR, THEME_KEY, WIDTH
+from intellwheels_viewer.page_window import BAR, SLIM, THEME_KEY, WIDTH
 from intellwheels_viewer.panels.page_shell import Window
 from tests.viewer.browser import opened
 from tests.viewer.opened import Opened
@@ -66,7 +66,14 @@ def test_panels_are_beside_the_scene_in_a_wide_window_and_below_it_in_a_narrow_o
     side = Panel()
     window = here.page._window
     window._side = cast("Any", side)
-    for width, height in ((1280.0, 800.0), (820.0, 1180.0), (820.0, 1180.0), (390.0, 844.0), (1280.0, 800.0)):
+    for width, height in (
+        (1280.0, 800.0),
+        (820.0, 1180.0),
+        (820.0, 1180.0),
+        (390.0, 844.0),
+        (1280.0, 800.0),
+        (844.0, 390.0),
+    ):
         here.page._resized(Window(width=width, height=height))
     # A phone has viser's sheet.
-    assert side.puts == [(0, 1180.0 - BAR, 410.0), "left", WIDTH]
+    assert side.puts == [(0, 1180.0 - BAR, 410.0), "left", WIDTH, "left", SLIM]

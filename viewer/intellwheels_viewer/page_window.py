@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 WIDTH: Final = 288
 """Width of a panel in pixels: in a window of 1280 two panels leave more than half for the scene."""
+SLIM: Final = 240
+"""The same in a window that is less than `NARROW` wide, such as a phone held sideways."""
 BAR: Final = 56
 """Height of the bar of a narrow window in pixels."""
 SHARE: Final = 0.38
@@ -43,7 +45,7 @@ class PageWindow:
         self._system_dark = False
         self._dark: bool | None = None
         self._below: tuple[float, float] | None = None
-        self._is_beside = True
+        self._beside = WIDTH
         self._show_theme()
 
     @property
@@ -67,15 +69,16 @@ class PageWindow:
     def _place(self, window: Window) -> None:
         main, side = self._client.gui.main_panel, self._side
         if window.width >= min(NARROW, window.height):
-            if not self._is_beside:
-                self._is_beside, self._below = True, None
+            width = WIDTH if window.width >= NARROW else SLIM
+            if self._beside != width:
+                self._beside, self._below = width, None
                 side.dock_left()
-                side.set_width(WIDTH)
+                side.set_width(width)
                 main.dock_right()
-                main.set_width(WIDTH)
+                main.set_width(width)
         elif window.width >= PHONE and self._below != (window.width, window.height):
             # A phone has viser's sheet, which needs no place.
-            self._is_beside, self._below = False, (window.width, window.height)
+            self._beside, self._below = 0, (window.width, window.height)
             half, high = window.width / 2, SHARE * window.height
             top = window.height - BAR - high
             side.float(x=0, y=top, width=half, height=high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import itertools
+import math
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -57,8 +58,32 @@ def test_a_label_with_room_stands_above_its_body() -> None:
 def test_in_a_picture_from_above_a_label_is_beside_its_body_and_in_others_above_it() -> None:
     for eye, least, most in (((0.0, -0.02, 20.0), 20.0, 60.0), ((-10.0, 0.0, 1.5), -1.0, 1.0)):
         picture = Picture(eye, (0.0, 0.0, 1.5), 0.8, 800.0, 600.0)
-        (one,) = placed([Wish("a", "a", 0.0, 0.0, 1.5, aside=1.0)], picture)
+        (one,) = placed([Wish("a", "a", 0.0, 0.0, 1.5, half=(1.0, 0.5), heading=math.pi / 2)], picture)
         assert least < Lens(picture).spot(np.array([0.0, 0.0, 1.5]))[1] - one.box[3] < most
+
+
+def test_from_above_no_label_covers_a_body_that_it_can_avoid() -> None:
+    picture = Picture((0.0, -0.02, 20.0), (0.0, 0.0, 0.0), 0.8, 800.0, 600.0)
+    wishes = [
+        Wish(f"c{k}", f"chair{k}", 2.0 * (k % 3), 1.9 * (k // 3), 1.5, "wheelchair", heading=k, half=(0.6, 0.35))
+        for k in range(9)
+    ]
+    lens, found = Lens(picture), placed(wishes, picture)
+    assert overlapping(found) == []
+    assert len(found) == 9
+    reach = 0.3 * lens.focal / 20.0
+    for one, wish in itertools.product(found, wishes):
+        x, y = lens.spot(np.array((wish.x, wish.y, wish.z / 2)))
+        left, top, right, bottom = one.box
+        assert not (left < x + reach and x - reach < right and top < y + reach and y - reach < bottom)
+
+
+def test_a_label_covers_a_body_rather_than_another_label() -> None:
+    picture = Picture((0.0, -0.02, 60.0), (0.0, 0.0, 0.0), 0.8, 800.0, 600.0)
+    wishes = [Wish(f"c{k}", f"chair{k}", 0.7 * k, 0.0, 1.5, "wheelchair", half=(0.6, 0.35)) for k in range(20)]
+    found = placed(wishes, picture)
+    assert overlapping(found) == []
+    assert named(found) == sorted(wish.name for wish in wishes)
 
 
 def test_two_that_would_overlap_move_apart_and_stay_near() -> None:

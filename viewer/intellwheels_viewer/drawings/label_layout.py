@@ -1,7 +1,8 @@
 """Where the labels of a picture stand, so that no two overlap. Pure.
 
-A label stands above its body. If another one is there already, it moves up or to a side. If that is not enough, it
-joins the nearest one, and both become one label with the number of their bodies. Far labels are a little smaller.
+A label stands above its body. If another label is there already, or a body that is seen from above, it moves up or to a
+side. If there is no room between the other labels, it joins the nearest one, and both become one label with the number
+of their bodies. Far labels are a little smaller.
 Lengths are CSS pixels, except for positions in the scene.
 """
 
@@ -32,6 +33,8 @@ _NARROW: Final = frozenset("iljtfr.,:;'!|()[] 1-")
 _WIDE: Final = frozenset("mwMW@%")
 _HIGHEST: Final = 60
 """Steps by which the label of a selected or speaking body can move up; it never joins another."""
+_ABOVE: Final = 0.7
+"""Least sine of the angle by which a picture from above looks down."""
 _NEAR: Final = 0.2  # m; nearer than this to the camera a body has no label
 
 
@@ -52,10 +55,12 @@ class Wish:
     Attributes:
         name: Its body.
         text: Its lines.
-        x, y, z: Where the middle of its lower edge should be, in metres.
-        aside: Metres by which it moves towards the upper edge of a picture from above, where it would cover its body.
+        x, y, z: Where the middle of its lower edge should be, in metres: above the middle of the body.
         kind: The kind of body, see `NOUNS`.
         alone: Whether it must not join another.
+        heading: That of the body, in radians.
+        half: Half the length and half the width of the body, in metres. In a picture from above, a label is beyond the
+            upper edge of its body, and covers no other body if that can be avoided.
     """
 
     name: str
@@ -65,7 +70,16 @@ class Wish:
     z: float
     kind: str = ""
     alone: bool = False
-    aside: float = 0.0
+    heading: float = 0.0
+    half: tuple[float, float] = (0.0, 0.0)
+
+    def extent(self, course: Vector) -> float:
+        """Return how far the body extends from its middle along a horizontal course, in metres; 0 without a course."""
+        length = float(np.hypot(course[0], course[1]))
+        if length < 1e-9:
+            return 0.0
+        turn = math.atan2(course[1], course[0]) - self.heading
+        return self.half[0] * abs(math.cos(turn)) + self.half[1] * abs(math.sin(turn))
 
 
 @dataclass(frozen=True)
@@ -193,9 +207,10 @@ def _position(group: _Group, lens: Lens) -> tuple[float, float, float]:
 
 def _arranged(wishes: Sequence[Wish], lens: Lens, picture: Picture) -> list[_Group]:
     groups = [group for wish in wishes if (group := _group([wish], lens, picture)) is not None]
+    bodies = _bodies([group.members[0] for group in groups], lens)
     # Labels that stay alone come first, and the order does not change while the bodies move.
     groups.sort(key=lambda group: not group.alone)
-    while (lonely := _unplaced(groups)) is not None:
+    while (lonely := _unplaced(groups, bodies)) is not None:
         others = [group for group in groups if group is not lonely and not group.alone]
         if not others:
             groups.remove(lonely)  # there is room for the labels of the selected and the speaking only
@@ -211,7 +226,7 @@ def _arranged(wishes: Sequence[Wish], lens: Lens, picture: Picture) -> list[_Gro
 def _group(members: list[Wish], lens: Lens, picture: Picture) -> _Group | None:
     """Return labels as one, or None outside the picture."""
     above = lens.up * (1.0, 1.0, 0.0)
-    at = np.mean([np.array((wish.x, wish.y, wish.z)) + wish.aside * above for wish in members], axis=0)
+    at = np.mean([np.array((wish.x, wish.y, wish.z)) + wish.extent(above) * above for wish in members], axis=0)
     depth = lens.depth(at)
     if depth < _NEAR:
         return None
@@ -222,25 +237,52 @@ def _group(members: list[Wish], lens: Lens, picture: Picture) -> _Group | None:
     return _Group(members, at, spot, next(scale for least, scale in SCALES if metre >= least))
 
 
-def _unplaced(groups: Sequence[_Group]) -> _Group | None:
+def _bodies(wishes: Sequence[Wish], lens: Lens) -> Vector:
+    """Return the boxes of bodies in a picture from above, in px, shape (n, 4); none in a picture from the side."""
+    tilt = -float(lens.ahead[2])
+    if tilt < _ABOVE:
+        return np.empty((0, 4))
+    found = []
+    for wish in wishes:
+        at = np.array((wish.x, wish.y, wish.z / 2))
+        depth = lens.depth(at)
+        if depth > _NEAR:
+            x, y = lens.spot(at)
+            wide, high = np.array((wish.extent(lens.right), tilt * wish.extent(lens.up))) * lens.focal / depth
+            found.append((x - wide, y - high, x + wide, y + high))
+    return np.array(found).reshape(-1, 4)
+
+
+def _unplaced(groups: Sequence[_Group], bodies: Vector) -> _Group | None:
     """Place the groups one after the other, and return the first for which there is no room; None if there is none."""
     taken = np.empty((len(groups), 4))
     for count, group in enumerate(groups):
         others = taken[:count]
+        free: tuple[int, int] | None = None
         for step in (*_STEPS, *_TOWER) if group.alone else _STEPS:
             box = group.box(step)
-            apart = (
-                (others[:, 0] >= box[2] + GAP)
-                | (others[:, 2] <= box[0] - GAP)
-                | (others[:, 1] >= box[3] + GAP)
-                | (others[:, 3] <= box[1] - GAP)
-            )
-            if apart.all():
-                taken[count], group.moved = box, step
+            if not _is_free(box, others):
+                continue
+            covers = not _is_free(box, bodies)
+            if free is None or not covers:
+                free = step
+            if not covers:
                 break
-        else:
+        if free is None:
             return group
+        group.moved = free
+        taken[count] = group.box(group.moved)
     return None
+
+
+def _is_free(box: Vector, others: Vector) -> bool:
+    apart = (
+        (others[:, 0] >= box[2] + GAP)
+        | (others[:, 2] <= box[0] - GAP)
+        | (others[:, 1] >= box[3] + GAP)
+        | (others[:, 3] <= box[1] - GAP)
+    )
+    return bool(apart.all())
 
 
 _STEPS: Final = ((0, 0), (0, 1), (0, 2), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, 2), (-1, 2), (0, 3), (0, 4))

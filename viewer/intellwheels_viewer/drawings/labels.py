@@ -7,6 +7,7 @@ Where they stand depends on the camera, see `label_layout`, so each browser has 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Final
 
@@ -31,8 +32,6 @@ REAL: Final = "\u25cf real"
 """What stands behind the name of a real chair."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
-ASIDE: Final = 0.6
-"""Offset of a label in body widths, see `Wish.aside`."""
 
 
 def cut(text: str) -> str:
@@ -93,15 +92,18 @@ def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) ->
     hull = extent(parts_of(body.robot))
     name = name_of(entity, with_speed=wanted)
     name = f"{name}  {REAL}" if body.robot.type == "real" else name
+    ahead, left = (hull.rear + hull.front) / 2, (hull.right + hull.left) / 2
+    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
     return Wish(
         entity.name,
         "\n".join([*bubbles, name]),
-        entity.x,
-        entity.y,
+        entity.x + ahead * cos - left * sin,
+        entity.y + ahead * sin + left * cos,
         hull.top + ABOVE,
         body.robot.kind,
         alone=wanted or bool(bubbles),
-        aside=ASIDE * hull.width,
+        heading=entity.heading,
+        half=(hull.length / 2, hull.width / 2),
     )
 
 
@@ -123,7 +125,11 @@ class Labels:
         if picture is None:
             found = [
                 Placed(
-                    (wish.name,), wish.text, (wish.x, wish.y + wish.aside, wish.z), SCALES[-1][1], (0.0, 0.0, 0.0, 0.0)
+                    (wish.name,),
+                    wish.text,
+                    (wish.x, wish.y + max(wish.half), wish.z),
+                    SCALES[-1][1],
+                    (0.0, 0.0, 0.0, 0.0),
                 )
                 for wish in wishes.values()
             ]

@@ -2,7 +2,7 @@
 
 A narrow window has the bar at its bottom edge: state and time, pause, and buttons that open the list of agents, the
 stick and the events. The script makes these in the page's body, because a panel that is closed hides what is in it. It
-uses a private name of viser (see callbacks).
+uses a private name of viser (see callbacks). It is run by an image, so a bare `URL` in it is the document's.
 """
 
 from __future__ import annotations
@@ -80,16 +80,22 @@ const press = at => {
     at.dispatchEvent(new PointerEvent(type, {bubbles: true, cancelable: true, isPrimary: true, pointerId: 1}));
   at.click();
 };
+const events = (tries, seen) => {
+  // The panel opens in many small steps, and on a slow machine late.
+  const list = D.querySelector('[data-testid=events]'), row = list && list.parentElement.previousElementSibling;
+  const view = row && row.closest('.mantine-ScrollArea-viewport');
+  if (view) row.scrollIntoView({block: 'start'});
+  const [at, from] = [row, view].map(one => one ? one.getBoundingClientRect().top : 0);
+  const there = view && view.clientHeight && Math.abs(at - from) < 2;
+  if (tries && !(there && seen) && D.body.dataset.iwOpen === 'Events') setTimeout(events, 200, tries - 1, there);
+};
 const open = tab => {
   const here = D.body.dataset.iwOpen === tab;
   D.body.dataset.iwOpen = here && sheet() ? '' : tab;
   if (tab === 'Events') {
     const run = D.querySelector('[aria-label="Expand panel Run"]');
     if (run) run.click();
-    setTimeout(() => {
-      const list = D.querySelector('[data-testid=events]');
-      if (list) list.parentElement.previousElementSibling.scrollIntoView({block: 'start'});
-    }, 250);
+    events(15, false);
   } else {
     const found = [...D.querySelectorAll('[role=tab]')].find(one => one.innerText.trim() === tab);
     if (found) { press(found); found.scrollIntoView({block: 'start'}); }
@@ -99,10 +105,10 @@ const picture = () => {
   W.__viserMutable.requestRender();
   requestAnimationFrame(() => requestAnimationFrame(() => W.__viserMutable.canvas.toBlob(data => {
     const link = D.createElement('a'), now = D.getElementById('iw-status');
-    link.href = URL.createObjectURL(data);
+    link.href = W.URL.createObjectURL(data);
     link.download = `intellwheels-${now ? now.dataset.tick : 0}.png`;
     link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    setTimeout(() => W.URL.revokeObjectURL(link.href), 10000);
   })));
 };
 on(D, 'click', e => {
@@ -143,6 +149,15 @@ const look = () => {
     act.textContent = now.dataset.act; act.className = now.dataset.tone;
     bar.querySelector('[data-tab=Drive]').hidden = !now.dataset.drives;
   }
+  // Names that viser leaves out, for screen readers.
+  for (const one of D.querySelectorAll('label[for]')) {
+    const line = one.control ? null : one.closest('p') && one.closest('p').parentElement.parentElement;
+    const field = line && line.querySelector('input:not([aria-label])');
+    if (field) field.setAttribute('aria-label', one.innerText);
+  }
+  for (const [icon, name] of [['list-search', 'Find a command'], ['adjustments', 'Settings']])
+    for (const one of D.querySelectorAll(`button:not([aria-label]):has(> * > .tabler-icon-${icon})`))
+      one.setAttribute('aria-label', name);
   for (const one of bar.querySelectorAll('[data-tab]'))
     one.setAttribute('aria-pressed', String(D.body.dataset.iwOpen === one.dataset.tab));
   if (!W.__viserMutable || !W.__viserMutable.sendMessage) return;

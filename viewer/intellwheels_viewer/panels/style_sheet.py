@@ -22,9 +22,32 @@ _DARK: Final = (
     "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682;--iw-edge:#78828d;"
     "--iw-focus:#7cc0f5;--iw-ground:#242424"
 )
-# On the right, text keeps clear of the scrollbar that viser lays over a panel that is longer than the window: 12 px.
+# viser's own elements take these colours: with its defaults, captions, buttons and edges of fields have too little
+# contrast.
+_THEIRS: Final = """
+--mantine-color-dimmed:var(--iw-soft);--mantine-color-placeholder:var(--iw-soft);
+--mantine-color-gray-text:var(--iw-soft);--mantine-color-gray-light-color:var(--iw-soft);
+--mantine-color-default-border:var(--iw-edge);
+--mantine-primary-color-filled:var(--iw-focus);--mantine-primary-color-light-color:var(--iw-focus);
+--mantine-color-custom-filled:var(--iw-focus);--mantine-color-custom-text:var(--iw-focus);
+--mantine-color-custom-outline:var(--iw-focus);--mantine-color-custom-light-color:var(--iw-focus);
+--mantine-color-red-text:var(--iw-red);--mantine-color-red-outline:var(--iw-red);
+--mantine-color-red-light-color:var(--iw-red);--mantine-color-error:var(--iw-red);
+"""
+_THEIRS_LIGHT: Final = (
+    "--mantine-color-gray-filled:var(--iw-soft);--mantine-color-red-filled:var(--iw-red);"
+    "--mantine-color-red-filled-hover:#9c1116;--mantine-color-custom-filled-hover:#004375;"
+    "--mantine-primary-color-filled-hover:#004375"
+)
+# Below the clock there is room for a note (three lines beside the scene), so that nothing moves when one comes. A
+# longer note scrolls.
+# On the right, text keeps clear of the scrollbar that viser lays over a panel that is longer than the window: 12 px. It
+# is made 7 px wide here, because viser's own elements end 9 px before the edge.
 # The contrast of every text colour with its background is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
 _RULES: Final = """
+.mantine-ScrollArea-root{--scrollarea-scrollbar-size:7px}
+.mantine-Input-input:focus-visible{outline:2px solid var(--iw-focus);outline-offset:-1px}
+.mantine-Input-input:not(:disabled),.mantine-Checkbox-input:not(:checked):not(:disabled){border-color:var(--iw-edge)}
 .iw{box-sizing:border-box;padding:2px 16px 8px 10px;font-size:13px;line-height:18px;color:var(--iw-ink);
 font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 .iw *{box-sizing:border-box}.iw b{font-weight:600}
@@ -68,6 +91,9 @@ overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 div:has(>[data-testid=agents]){max-height:min(44vh,430px);overflow-y:auto;overscroll-behavior:contain}
 .iw tr:has(th) th{position:sticky;top:0;background:var(--iw-ground);z-index:1}
 [data-testid=drive],[data-testid=place]{min-height:58px}
+[data-testid=clock]{--room:58px;min-height:calc(88px + var(--room))}
+[data-testid=clock] .iw-note{max-height:calc(var(--room) - 4px);overflow-y:auto;font-size:12px;line-height:16px;
+padding:3px 8px}
 .iw-spark{display:block;margin-left:auto}.iw td.iw-word{font-size:11px;color:var(--iw-soft)}
 .iw-choice{display:flex;align-items:center;gap:8px;padding-top:3px;padding-bottom:3px;color:var(--iw-soft)}
 .iw-choice>span{flex:0 0 auto;min-width:56px}
@@ -80,6 +106,7 @@ border:0;padding:5px 3px;cursor:pointer;flex:1 1 auto}
 .iw-segments button:disabled{color:var(--iw-soft);cursor:not-allowed;opacity:.6}
 .iw-segments button:focus-visible,.iw-tools button:focus-visible{outline:2px solid var(--iw-focus);
 outline-offset:-2px}
+:is(.iw-segments,.iw-tools) button[aria-pressed=true]:focus-visible{outline-color:var(--iw-ground)}
 .iw-tools{display:flex;gap:5px}
 .iw-tools button{border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
 .iw-tools button[aria-pressed=true]{background:var(--iw-red);border-color:var(--iw-red);color:var(--iw-floor)}
@@ -123,18 +150,19 @@ color:var(--iw-amber)}#iw-bar .iw-now i.good{color:var(--iw-green)}#iw-bar .iw-n
 #iw-bar .iw-now span{font-size:12px;line-height:14px;color:var(--iw-soft)}
 #iw-bar button[aria-pressed=true]{background:var(--iw-tint);box-shadow:inset 0 3px var(--iw-focus);font-weight:600}
 .iw-stick{width:148px;height:148px}.iw-stick .iw-knob{left:53px;top:53px}.iw-stick u[style]{display:none}
-.iw-segments button,.iw-tools button{min-height:40px;font-size:13px}}
+.iw-segments button,.iw-tools button{min-height:40px;font-size:13px}[data-testid=clock]{--room:42px}}
+@media (max-height:499.98px){[data-testid=clock]{--room:26px}}
 @media (max-width:575.98px){
 .mantine-Paper-root[style*="max-height: 60%"]{width:100vw!important;bottom:56px!important;max-height:56dvh!important}
 .mantine-Paper-root[style*="max-height: 60%"] [style*="width: 20em"]{width:100vw!important}
 body:not([data-iw-open]) .mantine-Paper-root[style*="max-height: 60%"],
 body[data-iw-open=""] .mantine-Paper-root[style*="max-height: 60%"]{visibility:hidden;pointer-events:none}}
-body:has(#iw-drive-off) .iw-drive{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
+body:has(#iw-drive-off) .iw-stick{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
 """
 
 STYLE_SHEET: Final = (
-    f"<style>.iw,.iw-over,.iw-plan,.iw-shell{{{_LIGHT}}}"
-    f"[data-mantine-color-scheme=dark] :is(.iw,.iw-over,.iw-plan,.iw-shell){{{_DARK}}}{_RULES}</style>"
+    f"<style>:root:root{{{_LIGHT};{_THEIRS}}}:root[data-mantine-color-scheme=light]{{{_THEIRS_LIGHT}}}"
+    f":root[data-mantine-color-scheme=dark]{{{_DARK}}}{_RULES}</style>"
 )
 """The style element. It has no size."""
 
