@@ -1,15 +1,17 @@
 """A bounded inbox for samples, queries and tokens from Zenoh.
 
 Zenoh calls back on its own threads. Every callback only puts an object into an `Inbox`, and one other thread takes it
-out.
+out. Samples of which there are many may wait in rings of Zenoh, where they cost Python nothing until they are taken.
 """
 
 from __future__ import annotations
 
 import contextlib
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -23,6 +25,11 @@ KEY_SHARE: Final = 128
 """Samples on one known key that are kept between two renewals."""
 OTHERS_SHARE: Final = 256
 """Samples on all other keys, together, that are kept between two renewals."""
+RING_PATIENCE: Final = 0.01
+"""Seconds for which samples wait in a ring, so that `Inbox.wait` returns once for all that came meanwhile."""
+LOOKED_AT: Final = 4_096
+"""Samples of a ring that one `Inbox.take` looks at, at about 1 µs each: a flood must not delay a tick by much."""
+_PUT: Final = zenoh.SampleKind.PUT
 
 
 class Put(NamedTuple):
@@ -83,6 +90,15 @@ class Presence(NamedTuple):
 Arrival = Put | TooLong | Ask | Presence
 
 
+@dataclass(slots=True, eq=False)
+class _Ring:
+    """A ring of Zenoh: how to receive from it, how many samples it holds, and how many came since it was last empty."""
+
+    receive: Callable[[], zenoh.Sample | None]
+    room: int
+    row: int = 0
+
+
 class Inbox:
     """A bounded queue of arrivals. Zenoh's threads fill it, and one other thread empties it.
 
@@ -92,7 +108,11 @@ class Inbox:
     With `known` keys, a flood of samples takes no room from others: each known key has a share, and all other keys have
     one together. Whatever is beyond a share is dropped, until `renew_shares`.
 
+    Samples may also wait in rings of Zenoh, which `add_ring` names. `take` empties them, and the same shares hold for
+    what was in them. Unlike a callback, a sample that goes into a ring takes no time from the other threads of Python.
+
     Attributes:
+        overflows: How often a ring was found full: then it may have dropped its oldest samples.
         dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
         deleted: Number of samples dropped because they were not puts.
         unanswered: Number of queries dropped because the queue of their key was full, by key.
@@ -115,6 +135,7 @@ class Inbox:
         """
         self.dropped = 0
         self.deleted = 0
+        self.overflows = 0
         self.unanswered: dict[str, int] = {}
         self._room = room
         self._max_bytes = max_bytes
@@ -127,6 +148,17 @@ class Inbox:
         self._turns: deque[str] = deque()  # the keys whose queues are not empty
         self._queued_bytes = 0
         self._some = threading.Condition()
+        self._rings: list[_Ring] = []
+        self._has_more = False  # whether the last look left samples in a ring
+
+    def add_ring(self, receive: Callable[[], zenoh.Sample | None], room: int) -> None:
+        """Take samples also from a ring.
+
+        Args:
+            receive: Returns the next sample of the ring, or None if it is empty. It never waits.
+            room: Number of samples that the ring holds.
+        """
+        self._rings.append(_Ring(receive, room))
 
     def _keep(self, arrival: Arrival, length: int) -> None:
         with self._some:
@@ -139,28 +171,64 @@ class Inbox:
 
     def on_sample(self, sample: zenoh.Sample) -> None:
         """Keep a sample. This is the callback for `declare_subscriber`."""
+        arrival = self._arrival(sample)
+        if arrival is not None:
+            self._keep(arrival, _length(arrival))
+
+    def _arrival(self, sample: zenoh.Sample) -> Put | TooLong | None:
+        """Return what a sample is, or None if it is dropped."""
         key = str(sample.key_expr)
         # Before anything else is read: to drop a flood must cost little.
-        if self._known is not None and not self._has_share(key):
-            self.dropped += 1
-            return
-        if sample.kind != zenoh.SampleKind.PUT:
+        if self._known is not None:
+            share, most = (key, KEY_SHARE) if key in self._known else ("", OTHERS_SHARE)
+            used = self._shares.get(share, 0)
+            if used >= most:
+                self.dropped += 1
+                return None
+            self._shares[share] = used + 1
+        if sample.kind != _PUT:
             self.deleted += 1
-            return
-        length = len(sample.payload)
-        if length > self._max_bytes:
-            self._keep(TooLong(key, length), 1)
-        else:
-            put = Put(key, sample.payload.to_bytes(), str(sample.encoding))
-            self._keep(put, _size(put))
+            return None
+        data = sample.payload
+        if (length := len(data)) > self._max_bytes:
+            return TooLong(key, length)
+        return Put(key, data.to_bytes(), str(sample.encoding))
 
-    def _has_share(self, key: str) -> bool:
-        share, most = (key, KEY_SHARE) if self._known and key in self._known else ("", OTHERS_SHARE)
-        used = self._shares.get(share, 0)
-        if used >= most:
-            return False
-        self._shares[share] = used + 1
-        return True
+    def _receive(self, most: int | None) -> list[Arrival]:
+        """Return what is in the rings, or the first so many of each, and no more bytes than may be kept."""
+        found: list[Arrival] = []
+        size = 0
+        self._has_more = False
+        for ring in self._rings:
+            receive, last = ring.receive, len(found) + (ring.room if most is None else most)
+            for _ in range(LOOKED_AT):
+                if len(found) >= last or size > self._total_bytes:
+                    break
+                sample = receive()
+                if sample is None:
+                    ring.row = 0
+                    break
+                ring.row += 1
+                arrival = self._arrival(sample)
+                if arrival is not None:
+                    found.append(arrival)
+                    size += _length(arrival)
+            self._has_more = self._has_more or ring.row > 0
+            if ring.row >= ring.room:
+                ring.row = 0
+                self.overflows += 1
+        return found
+
+    def _look(self) -> bool:
+        """Keep the first sample of each ring; return whether there was one."""
+        found = False
+        for ring in self._rings:
+            sample = ring.receive()
+            if sample is not None:
+                ring.row += 1
+                self.on_sample(sample)
+                found = True
+        return found
 
     def renew_shares(self) -> None:
         """Let each share be used again."""
@@ -235,12 +303,24 @@ class Inbox:
             else:
                 taken = [self._kept.popleft() for _ in range(most)]
                 self._bytes -= sum(map(_length, taken))
-        return taken
+        return taken + self._receive(most) if self._rings else taken
 
     def wait(self, seconds: float) -> bool:
         """Wait for an arrival or the time-out; return whether there is an arrival."""
+        if not self._rings:
+            with self._some:
+                return bool(self._kept or self._turns) or self._some.wait(max(seconds, 0.0))
+        if self._has_more:
+            return True
+        ends = time.monotonic() + seconds
+        while (left := ends - time.monotonic()) > 0.0:
+            with self._some:
+                if self._kept or self._turns or self._some.wait(min(left, RING_PATIENCE)):
+                    return True
+            if self._look():
+                return True
         with self._some:
-            return bool(self._kept or self._turns) or self._some.wait(max(seconds, 0.0))
+            return bool(self._kept or self._turns)
 
 
 def _size(some: Ask | Put) -> int:

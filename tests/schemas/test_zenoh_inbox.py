@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
+from typing import cast
 
 import zenoh
 
-from intellwheels_schemas.zenoh_inbox import KEY_SHARE, OTHERS_SHARE, QUEUE_ROOM, Ask, Inbox, Presence, Put, TooLong
+from intellwheels_schemas.zenoh_inbox import (
+    KEY_SHARE,
+    LOOKED_AT,
+    OTHERS_SHARE,
+    QUEUE_ROOM,
+    Ask,
+    Inbox,
+    Presence,
+    Put,
+    TooLong,
+)
 
 
 class Payload(bytes):
@@ -97,6 +109,68 @@ def test_inbox_without_known_keys_has_no_shares() -> None:
     inbox = Inbox()
     keep(inbox, *[Sample(Payload(b"{}"))] * (KEY_SHARE + OTHERS_SHARE))
     assert len(inbox.take()) == KEY_SHARE + OTHERS_SHARE
+
+
+class Ring(deque[Sample]):
+    """A ring of Zenoh: full, it drops its oldest sample."""
+
+    def try_recv(self) -> zenoh.Sample | None:
+        return cast(zenoh.Sample, self.popleft()) if self else None
+
+
+def with_ring(inbox: Inbox, room: int = 4 * LOOKED_AT) -> Ring:
+    ring = Ring(maxlen=room)
+    inbox.add_ring(ring.try_recv, room)
+    return ring
+
+
+def test_rings_are_taken_after_what_was_kept_each_in_order_and_only_so_many_of_each() -> None:
+    inbox = Inbox(max_bytes=3)
+    first, second = with_ring(inbox), with_ring(inbox)
+    first.extend(Sample(Payload(data)) for data in (b"1", b"1234", b"3"))
+    second.append(Sample(Payload(b"4"), "k"))
+    inbox.on_token(Sample(Payload(b"")))  # type: ignore[arg-type]
+    assert [type(one) for one in inbox.take(2)] == [Presence, Put, TooLong, Put]
+    assert inbox.wait(9.0), "a ring has more"
+    assert [one.data for one in inbox.take() if isinstance(one, Put)] == [b"3"]
+    assert inbox.take() == []
+
+
+def test_wait_ends_with_a_sample_in_a_ring_a_query_or_in_time() -> None:
+    inbox = Inbox()
+    ring = with_ring(inbox)
+    assert not inbox.wait(-1.0)
+    assert not inbox.wait(0.001)
+    ring.extend([Sample(Payload(b"1")), Sample(Payload(b"2"))])
+    assert inbox.wait(9.0)
+    assert [one.data for one in inbox.take() if isinstance(one, Put)] == [b"1", b"2"]
+    ask(inbox, "c", served="c")
+    assert inbox.wait(9.0)
+
+
+def test_shares_hold_for_what_is_in_a_ring_and_a_look_ends() -> None:
+    inbox = Inbox(known={"a", "b"})
+    ring = with_ring(inbox)
+    ring.extend([Sample(Payload(b"{}"), "a")] * (LOOKED_AT + 1) + [Sample(Payload(b"{}"), "b")])
+    assert len(inbox.take()) == KEY_SHARE
+    assert [one.key for one in inbox.take() if isinstance(one, Put)] == ["b"]
+    assert (inbox.dropped, inbox.overflows) == (LOOKED_AT + 1 - KEY_SHARE, 0)
+
+
+def test_take_ends_with_the_bytes_that_may_be_kept() -> None:
+    inbox = Inbox(total_bytes=100)
+    with_ring(inbox).extend([Sample(Payload(b"x" * 30))] * 4)
+    assert [len(inbox.take()) for _ in range(3)] == [2, 2, 0]
+
+
+def test_full_ring_is_counted() -> None:
+    inbox = Inbox()
+    ring = with_ring(inbox, 3)
+    ring.extend([Sample(Payload(b"x"))] * 2)
+    assert (len(inbox.take()), inbox.overflows) == (2, 0)
+    ring.extend([Sample(Payload(b"x"))] * 5)
+    assert (len(inbox.take()), inbox.overflows) == (3, 1)
+    assert (inbox.take(), inbox.overflows) == ([], 1)
 
 
 def test_wait_ends_in_time() -> None:

@@ -1,6 +1,7 @@
 """The loop of the simulator: it waits, takes what arrived, and lets the service do what is due.
 
-A flood makes no tick late by much work of this loop. Of each key only so many messages are kept for each tick.
+A flood makes no tick late by much work of this loop. Of each key only so many messages are kept for each tick. Until
+they are taken they wait where they cost Python nothing, except in lockstep, where each answer wakes the loop.
 Messages are taken in pieces, and queries come after them: few at a time between ticks, and those of one key wait only
 for their like.
 """
@@ -105,7 +106,7 @@ def run_service(
         done = clock()
         flush_if_due(done)
         service.spend(done - now, done)
-        for line in report.lines(inbox.dropped, inbox.unanswered, done):
+        for line in report.lines(inbox.dropped, inbox.unanswered, done, inbox.overflows):
             console.log_line(line)
 
 
@@ -129,23 +130,28 @@ class DropReport:
     def __init__(self) -> None:
         self._arrivals = 0
         self._queries: dict[str, int] = {}
+        self._overflows = 0
         self._next = 0.0
 
-    def lines(self, arrivals: int, queries: Mapping[str, int], now: float) -> list[str]:
+    def lines(self, arrivals: int, queries: Mapping[str, int], now: float, overflows: int = 0) -> list[str]:
         """Return the lines of a report, if one is due.
 
         Args:
             arrivals: Number of messages dropped so far.
             queries: Number of queries dropped so far, by the key of the queryable.
             now: The time, s.
+            overflows: How often a ring was found full so far.
         """
-        if now < self._next or (arrivals == self._arrivals and queries == self._queries):
+        if now < self._next or (arrivals, queries, overflows) == (self._arrivals, self._queries, self._overflows):
             return []
         found = []
+        if overflows != self._overflows:
+            found.append("dropped arrivals=some why='a ring of messages was full; its oldest may be lost'")
         if arrivals != self._arrivals:
             found.append(f"dropped arrivals={arrivals - self._arrivals} why='more than can be read'")
         for key, count in list(queries.items()):
             if more := count - self._queries.get(key, 0):
                 found.append(f"dropped queries={more} key={key} why='more than can be answered'")
-        self._arrivals, self._queries, self._next = arrivals, dict(queries), now + REPORT_EVERY
+        self._arrivals, self._queries, self._overflows = arrivals, dict(queries), overflows
+        self._next = now + REPORT_EVERY
         return found

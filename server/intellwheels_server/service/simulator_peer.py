@@ -41,6 +41,8 @@ from intellwheels_server.service.side_process import SideProcess
 
 SHUTDOWN_TIME: Final = 0.1
 """Seconds that the last messages get to leave before the session closes."""
+RING_ROOM: Final = 32_768
+"""Messages that wait in the ring of a key expression until they are taken: those of half a second of a flood."""
 
 
 class ZenohOutlet:
@@ -261,7 +263,12 @@ def _serve(
     with contextlib.ExitStack() as stack:
         service.begin()
         for key in keys.every_put:
-            stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
+            if options.pace == "lockstep":
+                # The last answer makes the next tick, so each must be noticed at once.
+                stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
+            else:
+                ring = stack.enter_context(session.declare_subscriber(key, zenoh.handlers.RingChannel(RING_ROOM)))
+                inbox.add_ring(ring.handler.try_recv, RING_ROOM)
         for key in (keys.every_token, keys.every_crew_token):
             stack.enter_context(link.watch_tokens(session, key, inbox))
         for key in (keys.every_join, keys.every_leave, keys.every_crew_join, keys.every_crew_leave, *keys.every_ctl,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 import zenoh
 
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.zenoh_inbox import KEY_SHARE, Inbox
+from intellwheels_schemas.zenoh_inbox import KEY_SHARE, LOOKED_AT, Inbox
 from intellwheels_server.service.arrival import Arrival, Put, Query
 from intellwheels_server.service.arrival_reader import ArrivalReader
 from intellwheels_server.service.main_loop import (
@@ -195,3 +196,25 @@ def test_drops_are_reported_at_most_once_a_second_with_their_keys() -> None:
         "dropped queries=2 key=map why='more than can be answered'",
         "dropped queries=1 key=clock why='more than can be answered'",
     ]
+
+
+def test_full_ring_is_reported() -> None:
+    report = DropReport()
+    assert report.lines(0, {}, 0.0, 0) == []
+    full = ["dropped arrivals=some why='a ring of messages was full; its oldest may be lost'"]
+    assert report.lines(0, {}, 1.0, 2) == full
+    assert report.lines(0, {}, 3.0, 2) == []
+
+
+@pytest.mark.usefixtures("reads")
+def test_messages_in_a_ring_are_taken_at_their_tick_within_the_share_of_their_key(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    inbox, service = Inbox(known={KEYS.actions("a")}), Service(cost=0.0, ticks=3)
+    message: Any = Message(KEYS.actions("a"))
+    message.kind = zenoh.SampleKind.PUT
+    ring: deque[Any] = deque()
+    inbox.add_ring(lambda: ring.popleft() if ring else None, 100_000)
+    service.on_tick = lambda: ring.extend([message] * (LOOKED_AT + 5))
+    run(service, inbox, monkeypatch)
+    assert len(service.taken) == 2 * KEY_SHARE
