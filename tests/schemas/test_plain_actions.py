@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_schemas import codec, plain_actions
+from intellwheels_schemas import plain_actions
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Actions
@@ -66,7 +66,7 @@ def read(data: bytes, encoding: Encoding) -> Actions | tuple[str, str, str]:
 def slowly(data: bytes, encoding: Encoding, monkeypatch: pytest.MonkeyPatch) -> Actions | tuple[str, str, str]:
     with monkeypatch.context() as patch:
         for name in ("from_json", "from_xml"):
-            patch.setattr(codec.plain_actions, name, lambda _data: None)
+            patch.setattr(plain_actions, name, lambda _data: None)
         return read(data, encoding)
 
 
