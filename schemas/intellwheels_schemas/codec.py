@@ -14,7 +14,7 @@ from typing import Any, Final, TypeVar, cast
 
 import msgspec
 
-from intellwheels_schemas import elements, rules
+from intellwheels_schemas import elements, plain_actions, rules
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import check_plain, object_of_pairs, root_of, shown, too_long
 from intellwheels_schemas.messages import (
@@ -263,9 +263,15 @@ def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, st
     limit, read, has_rule = _reading(cls)
     if len(data) > limit:
         raise too_long(root_of(cls), limit, "bytes", len(data))
+    if cls is Actions:
+        plain = plain_actions.from_json(data) if encoding is Encoding.JSON else plain_actions.from_xml(data)
+        if plain is not None:
+            return cast("_M", plain)
     message: _M = _from_json(cls, data, strict, read) if encoding is Encoding.JSON else _from_xml(cls, data, strict)
     if has_rule:
         rules.check(message)
+    if isinstance(message, Actions):
+        plain_actions.remember(message)
     return message
 
 

@@ -1268,10 +1268,16 @@ class Clock(Record, frozen=True, kw_only=True):
     """Number of ticks of this run that started after their deadline."""
     load: Ratio = 0.0
     """Share of the last second of wall time in which the simulator was busy; ticks are late when it nears 1."""
+    world: Ratio = 0.0
+    """Part of Load that went into the world: steps and sensors; 0 in a log that is played."""
+    wire: Ratio = 0.0
+    """Part of Load that went into messages and all else; 0 in a log that is played."""
     rays: Count = 0
     """Rays per tick of the sensors of all bodies; a cone counts as several rays."""
     costliest: Name | None = None
     """Agent whose sensors cast the most rays; absent if no sensor casts any."""
+    flooding: Name | None = None
+    """Agent or crew that, in the last second, sent most beyond its limit; absent if none did."""
     hash: Kept
     stamp: Stamp
     """Unix time at which the message was written."""

@@ -445,7 +445,8 @@ VALID: Final[dict[str, Record]] = {
     "Events": Events(run=RUN, oldest=7, next=8, event=(Event(run=RUN, tick=1, number=7, code="joined", agent="a"),)),
     "Clock": Clock(
         run=RUN, tick=42, time=2.1, state="waiting", pace="realtime", speed=2.0, factor=1.98, late=1, hash=HASH,
-        load=0.25, rays=5760, costliest="chair1", stamp=1700000000.0, waiting=("chair1", "door"),
+        load=0.25, world=0.1, wire=0.15, rays=5760, costliest="chair1", flooding="door",
+        stamp=1700000000.0, waiting=("chair1", "door"),
     ),
     "Clock-played": Clock(
         run=RUN, tick=42, time=2.1, state="paused", pace="realtime", hash=HASH, stamp=1700000000.0, last=2400,

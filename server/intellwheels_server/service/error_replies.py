@@ -142,6 +142,9 @@ class MessageLimit:
 
     def __init__(self) -> None:
         self._buckets: OrderedDict[str, tuple[Bucket, int]] = OrderedDict()
+        self._refused: dict[str, int] = {}  # how many messages of each sender, in this second
+        self._since = float("-inf")
+        self._most: str | None = None  # the sender of most of them in the second before
 
     def admit(self, sender: str, tick: int, now: float) -> bool:
         """Return whether a message of this sender may be read now."""
@@ -156,4 +159,20 @@ class MessageLimit:
         if tick != seen:
             bucket.add(MESSAGES_PER_TICK * abs(tick - seen))
             self._buckets[sender] = (bucket, tick)
-        return bucket.take(now)
+        if bucket.take(now):
+            return True
+        self._renew(now)
+        if sender in self._refused or len(self._refused) < STRANGERS:
+            self._refused[sender] = self._refused.get(sender, 0) + 1
+        return False
+
+    def most_refused(self, now: float) -> str | None:
+        """Return the sender of whose messages most were refused in the last second or two, or None."""
+        self._renew(now)
+        return max(self._refused, key=self._refused.__getitem__, default=self._most)
+
+    def _renew(self, now: float) -> None:
+        passed = now - self._since
+        if passed >= 1.0:
+            self._most = max(self._refused, key=self._refused.__getitem__, default=None) if passed < 2.0 else None
+            self._refused, self._since = {}, now

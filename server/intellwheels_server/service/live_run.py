@@ -1,12 +1,13 @@
 """A live run without its network: arrivals go in, messages come out, and the world moves when it may.
 
-Nothing here waits, reads a clock or knows Zenoh: time is passed in, and `due` says when to call `work` again. One
+Nothing here waits, decides by a clock or knows Zenoh: time is passed in, and `due` says when to call `work` again. One
 thread calls it. The order at a tick: arrivals are kept as they come; when the pace allows, one step is made; then the
 queued changes (joins, leaves, control messages) act, and the measures of the new tick are sent.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Final
 
@@ -46,8 +47,10 @@ class LiveRun:
         unix_time: Callable[[], float],
         record: Recorder | None = None,
         run: str | None = None,
+        timer: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Begin a run; the arguments are those of `ServiceState`."""
+        """Begin a run; the arguments are those of `ServiceState`, and what measures how long a step takes, s."""
+        self._timer = timer
         self._service = ServiceState(options, outlet, floor_worker, unix_time, record, run)
         self._service.pacing.paused = options.await_page
 
@@ -191,7 +194,7 @@ class LiveRun:
         elif pacing.pace == "free":
             self._step(now)
         elif now >= pacing.metronome.due():
-            pacing.metronome.begin_tick(now)
+            outbound.report_lateness(self._service, pacing.metronome.begin_tick(now), now)
             self._step(now)
 
     def _move_in_lockstep(self, now: float) -> None:
@@ -236,7 +239,9 @@ class LiveRun:
         if parent_inputs is not None:
             inputs = parent_inputs
         before = run.state
+        began = self._timer()
         outputs = run.advance(inputs)
+        pacing.world_share.spend(self._timer() - began, now)
         service.travelled.follow(before, run.state)
         ended = run.state.ended
         if branch is not None and parent_inputs is not None:

@@ -296,6 +296,9 @@ def _counted(entities: Iterable[Entity], service: ServiceState) -> Iterator[Enti
 
 def _clock(service: ServiceState, now: float) -> Clock:
     state, pacing = service.run.state, service.pacing
+    load = round(pacing.busy_share.value(now), 3)
+    # The two are measured over different seconds.
+    moving = min(load, round(pacing.world_share.value(now), 3))
     return Clock(
         run=state.run,
         tick=state.tick,
@@ -305,14 +308,36 @@ def _clock(service: ServiceState, now: float) -> Clock:
         speed=pacing.metronome.speed,
         factor=round(pacing.real_time_factor.value(now), 6),
         late=pacing.metronome.late,
-        load=round(pacing.busy_share.value(now), 3),
+        load=load,
+        world=moving,
+        wire=round(load - moving, 3) if service.playback is None else 0.0,
         rays=total_rays(state),
         costliest=costliest(state),
+        flooding=_flooding(service, now),
         hash=service.run.digest(),
         stamp=service.publisher.unix_time(),
         waiting=_awaited_agents(service, now),
         last=None if service.playback is None else service.playback.last_tick,
     )
+
+
+def _flooding(service: ServiceState, now: float) -> str | None:
+    """Return the agent or the crew of whose messages most were refused; a stray message may have no valid name."""
+    sender = service.message_limit.most_refused(now)
+    return None if sender is None else sender.rpartition("/")[2] or None
+
+
+def report_lateness(service: ServiceState, is_late: bool, now: float) -> None:
+    """Log that ticks begin to be late, with what costs, or that they are on time again. Call it for each tick."""
+    change = service.pacing.late_watch.add(is_late)
+    if change is None:
+        return
+    clock = _clock(service, now)
+    costs = f" load={clock.load:g} world={clock.world:g} wire={clock.wire:g}"
+    costs += f" costliest={clock.costliest}" if clock.costliest else ""
+    costs += f" flooding={clock.flooding}" if clock.flooding else ""
+    what = f"ticks are {change}" if change == "late" else f"ticks are {change} again"
+    service.publisher.outlet.log_line(f"{what} tick={clock.tick} late={clock.late}{costs if change == 'late' else ''}")
 
 
 def _clock_state(service: ServiceState, now: float) -> ClockState:

@@ -6,7 +6,8 @@ only when the speed changes, after a pause, and when the run is too far behind t
 
 from __future__ import annotations
 
-from typing import Final
+from collections import deque
+from typing import Final, Literal
 
 LATE_SHARE: Final = 0.1
 """A tick counts as late if it begins later than its deadline by this share of its interval."""
@@ -14,6 +15,10 @@ BACKLOG: Final = 0.5
 """Seconds of delay above which the lost time is dropped, because a burst of ticks would not help."""
 WINDOW: Final = 1.0
 """Seconds over which the real-time factor is measured."""
+WATCHED: Final = 20
+"""Ticks that a `LateWatch` looks at."""
+MANY_LATE: Final = 3
+"""Late ticks among them from which on ticks count as late again and again: one may be late by chance."""
 
 
 class Metronome:
@@ -51,14 +56,34 @@ class Metronome:
         """Return when the next tick begins."""
         return self._anchor + self._count * self.interval
 
-    def begin_tick(self, now: float) -> None:
-        """Note that the next tick begins now, and count it if it is late."""
+    def begin_tick(self, now: float) -> bool:
+        """Note that the next tick begins now, and count it if it is late; return whether it is."""
         behind = now - self.due()
         self._count += 1
-        if behind > LATE_SHARE * self.interval:
-            self.late += 1
+        is_late = behind > LATE_SHARE * self.interval
+        self.late += is_late
         if behind > BACKLOG + self.interval:
             self.start(now)
+        return is_late
+
+
+class LateWatch:
+    """Tells when ticks begin to be late again and again, and when that is over."""
+
+    def __init__(self) -> None:
+        self._late: deque[bool] = deque(maxlen=WATCHED)
+        self._is_late = False
+
+    def add(self, is_late: bool) -> Literal["late", "on time"] | None:
+        """Note a tick; return what has changed with it, or None."""
+        self._late.append(is_late)
+        if not self._is_late and is_late and sum(self._late) >= MANY_LATE:
+            self._is_late = True
+            return "late"
+        if self._is_late and len(self._late) == WATCHED and not any(self._late):
+            self._is_late = False
+            return "on time"
+        return None
 
 
 class RealTimeFactor:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from intellwheels_schemas.messages import Pace
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.barrier import Answer, Barrier
-from intellwheels_server.service.pace import BusyShare, Metronome, RealTimeFactor
+from intellwheels_server.service.pace import BusyShare, LateWatch, Metronome, RealTimeFactor
 from intellwheels_server.world import Setup
 
 
@@ -34,6 +34,8 @@ class Pacing:
         metronome: Deadlines of ticks in real time.
         real_time_factor: How fast the run goes.
         busy_share: How much of the time the simulator works.
+        world_share: How much of the time it moves the world.
+        late_watch: Whether ticks are late again and again.
         barrier: The answers to the current tick, in lockstep.
         answers: What lockstep expects at each tick; empty at any other pace.
         barrier_open: Whether the measures of this tick are out and its answers are expected.
@@ -49,6 +51,8 @@ class Pacing:
         self.metronome = Metronome(setup.period, speed)
         self.real_time_factor = RealTimeFactor(setup.period)
         self.busy_share = BusyShare()
+        self.world_share = BusyShare()
+        self.late_watch = LateWatch()
         self.barrier = Barrier(strict=self.strict, deadline=deadline)
         self.answers: frozenset[Answer] = frozenset()
         self.barrier_open = False

@@ -53,3 +53,19 @@ def test_flood_is_told_its_limit() -> None:
         None,
         None,
     )
+
+
+def test_who_floods_most_is_known_for_a_second_or_two() -> None:
+    limit = MessageLimit()
+    assert limit.most_refused(0.0) is None
+    for number in range(300):
+        limit.admit("calm", 0, number / 300)
+        limit.admit("flood", 0, 0.5)
+        limit.admit("more", 0, 0.5) if number % 2 else None
+    assert limit.most_refused(1.0) == "flood"
+    assert limit.most_refused(1.6) == "flood"
+    assert limit.most_refused(4.0) is None
+    for number in range(2 * STRANGERS):
+        for _ in range(65):
+            limit.admit(f"a{number}", 0, 5.0)
+    assert len(limit._refused) == STRANGERS

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import msgspec
@@ -8,6 +9,7 @@ import pytest
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import (
     Actions,
+    Clock,
     End,
     Joined,
     Load,
@@ -21,6 +23,7 @@ from intellwheels_schemas.messages import (
     UserInput,
 )
 from intellwheels_server.log.resimulate import resimulate
+from intellwheels_server.service.pace import WATCHED
 from tests.server.log_edits import records, rewrite
 from tests.server.stage import RUN, Stage, real
 
@@ -297,3 +300,32 @@ def test_a_real_chair_is_not_stale_because_the_run_stood_still(stop: str) -> Non
     assert "stale" not in stage.events()
     stage.work(0.2)
     assert "stale" in stage.events()
+
+
+def test_load_is_told_when_ticks_begin_to_be_late_and_when_they_are_on_time_again() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1", instance="a" * 16)
+    stage.work(1.0)
+    seconds = itertools.count()
+    stage.live_run._timer = lambda: 0.02 * next(seconds)
+    for _ in range(2 * WATCHED):
+        stage.now += 0.06
+        stage.live_run.work(stage.now)
+        stage.live_run.spend(0.05, stage.now)
+    for _ in range(100):
+        stage.put("chair1", b"{}", "say")
+    clock = stage.ask("clock", "")[0][0]
+    assert isinstance(clock, Clock)
+    assert clock.late > WATCHED
+    assert clock.world == pytest.approx(0.02 / 0.06, rel=0.1)
+    assert clock.wire == pytest.approx(clock.load - clock.world)
+    assert clock.flooding == "chair1"
+    told = [note for note in stage.notes if note.startswith("ticks")]
+    assert len(told) == 1
+    assert told[0].startswith("ticks are late tick=")
+    assert " wire=" in told[0]
+    assert told[0].endswith("costliest=chair1")
+    stage.work(2.0)
+    told = [note for note in stage.notes if note.startswith("ticks")]
+    assert len(told) == 2
+    assert told[1].startswith("ticks are on time again tick=")

@@ -2,7 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_server.service.pace import BACKLOG, BusyShare, Metronome, RealTimeFactor
+from intellwheels_server.service.pace import (
+    BACKLOG,
+    MANY_LATE,
+    WATCHED,
+    BusyShare,
+    LateWatch,
+    Metronome,
+    RealTimeFactor,
+)
 
 
 def test_lateness_does_not_add_up() -> None:
@@ -17,10 +25,19 @@ def test_lateness_does_not_add_up() -> None:
 def test_tick_that_begins_late_by_more_than_a_tenth_is_counted() -> None:
     metronome = Metronome(0.05, 1.0)
     metronome.start(0.0)
-    metronome.begin_tick(0.0549)
+    assert not metronome.begin_tick(0.0549)
     assert metronome.late == 0
-    metronome.begin_tick(0.1 + 0.0051)
+    assert metronome.begin_tick(0.1 + 0.0051)
     assert metronome.late == 1
+
+
+def test_lateness_is_told_once_when_it_begins_and_once_when_it_is_over() -> None:
+    watch = LateWatch()
+    assert [watch.add(True) for _ in range(MANY_LATE - 1)] == [None] * (MANY_LATE - 1)
+    assert [watch.add(False) for _ in range(WATCHED)] == [None] * WATCHED, "a few late ticks are no trouble"
+    found = [watch.add(True) for _ in range(2 * WATCHED)]
+    assert found == [None] * (MANY_LATE - 1) + ["late"] + [None] * (2 * WATCHED - MANY_LATE)
+    assert [watch.add(False) for _ in range(2 * WATCHED)] == [None] * (WATCHED - 1) + ["on time"] + [None] * WATCHED
 
 
 def test_speed_divides_the_interval() -> None:

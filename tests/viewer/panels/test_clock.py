@@ -50,12 +50,20 @@ def test_one_late_tick_and_none_are_written_as_spoken() -> None:
 
 
 def test_busy_simulator_says_so_and_whose_sensors_cost_most() -> None:
-    page = clock_html(at("running", load=0.93, rays=23_040, costliest="chair2"))
-    assert "busy 93 % of the time, so ticks may be late" in page
+    page = clock_html(at("running", load=0.93, world=0.6, wire=0.33, rays=23_040, costliest="chair2"))
+    assert "Busy 93 %: world 60 %, messages 33 %. Ticks may be late." in page
     assert "23,040 rays per tick, most of them those of chair2" in page
     assert "rays" not in clock_html(at("running", load=0.93))
     for calm in (at("running", load=0.5), at("running", load=0.93, pace="free")):
-        assert "busy" not in clock_html(calm)
+        assert "Busy" not in clock_html(calm)
+
+
+def test_who_floods_is_named_in_a_line_that_is_there_always() -> None:
+    assert "chair3 sends too many messages." in clock_html(at("running", flooding="chair3"))
+    for shown in (at("running"), at("running", load=0.93, costliest="chair2"), at("running", flooding="chair3")):
+        page = clock_html(shown)
+        assert page.count('class="iw-small') == 2, "nothing below may move"
+        assert "iw-note" not in page
 
 
 def test_another_speed_is_shown() -> None:

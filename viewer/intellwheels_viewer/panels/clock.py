@@ -60,7 +60,7 @@ def clock_html(snapshot: Snapshot) -> str:
             )
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
-        note(_busy(clock)) if live and clock.load >= _BUSY and clock.pace == "realtime" else "",
+        _load_line(clock, live),
         note("The run is over. Run it again (Space), or continue it beyond its end.")
         if live and snapshot.is_over
         else "",
@@ -87,12 +87,31 @@ def _late(clock: Clock) -> str:
     return f"{clock.late or 'no'} late tick{'' if clock.late == 1 else 's'}"
 
 
-def _busy(clock: Clock) -> str:
-    """Return why ticks are late: how busy the simulator is, and whose sensors cost most."""
-    text = f"The simulator is busy {100.0 * clock.load:.0f} % of the time, so ticks may be late."
-    if clock.costliest is None:
-        return text
-    return f"{text} Sensors cast {clock.rays:,} rays per tick, most of them those of {clock.costliest}."
+def _load_line(clock: Clock, live: bool) -> str:
+    """Return a line about why ticks are late. It is there always, so that nothing below it moves when it says so."""
+    parts = _busy(clock) if live and clock.pace == "realtime" else []
+    if not parts:
+        return '<div class="iw-small">&nbsp;</div>'
+    text = html.escape(" ".join(parts))
+    return f'<div class="iw-small iw-cut iw-amber" title="{text}">{text}</div>'
+
+
+def _busy(clock: Clock) -> list[str]:
+    """Return sentences about what costs: how busy the simulator is, who floods, and whose sensors cost most."""
+    parts = []
+    if clock.load >= _BUSY:
+        parts.append(f"Busy {_percent(clock.load)}: world {_percent(clock.world)}, messages {_percent(clock.wire)}.")
+    if clock.flooding is not None:
+        parts.append(f"{clock.flooding} sends too many messages.")
+    if clock.load >= _BUSY:
+        parts.append("Ticks may be late.")
+        if clock.costliest is not None:
+            parts.append(f"Sensors cast {clock.rays:,} rays per tick, most of them those of {clock.costliest}.")
+    return parts
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
 
 
 def _pace(clock: Clock) -> str:
