@@ -49,6 +49,7 @@ KNOWS_ZENOH = {
     "server/intellwheels_server/service/simulator_peer.py",
     "agents/intellwheels_agents/agent_peer.py",
     "agents/intellwheels_agents/crew_peer.py",
+    "agents/intellwheels_agents/simulator_session.py",
     "agents/intellwheels_agents/joystick/joystick_peer.py",
     "agents/intellwheels_agents/ros_gateway/ros_node.py",
     "agents/intellwheels_experiments/run/world_watch.py",

@@ -1,10 +1,7 @@
-"""An agent on the network. The only file of the agents that knows zenoh.
+"""An agent on the network.
 
 Zenoh calls back on its own threads. A callback stores what arrived and returns. Only the main loop calls the
 harness and its mind. No single wait is longer than `SLICE`, so that a signal is noticed.
-
-Arrivals wait in a `SimpleQueue`. It saves 25 µs a tick against a condition and a deque (measured round trip 128 µs
-instead of 152 µs, echo of measures on loopback), and in lockstep every tick waits for every agent.
 """
 
 from __future__ import annotations
@@ -12,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import queue
-import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -36,30 +32,25 @@ from intellwheels_agents.harness_outputs import (
     RequestLeave,
 )
 from intellwheels_agents.mind import Make
+from intellwheels_agents.simulator_session import (
+    CONFIRM_TIMEOUT,
+    JOIN_TIMEOUT,
+    SLICE,
+    Arrivals,
+    ask,
+    fetch_map,
+    leave,
+    log,
+    run_in_session,
+)
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
+from intellwheels_schemas.codec import Encoding, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.own_rights import denied_join
 from intellwheels_schemas.process import start_network_thread
-from intellwheels_schemas.repliers import by_simulator
-from intellwheels_schemas.session_closing import closing
-from intellwheels_schemas.simulator_query import ask_simulator
-
-SLICE = 0.2
-"""Longest single wait, s: a wait without a timeout can miss a signal."""
-JOIN_TIMEOUT = 12.0
-"""Seconds to wait for the reply to a join: a strict lockstep may first wait ten seconds for another agent."""
-CONFIRM_TIMEOUT = 2.0
-"""Seconds to wait for the simulator to confirm what a message says."""
-LEAVE_TIMEOUT = 2.0
-"""Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
-QUEUE_LIMIT = 1024
-"""Arrivals that may wait while the mind computes: a minute at 20 Hz."""
-ARRIVAL_LIMIT = MAX_BYTES
-"""Largest arrival that is accepted, in bytes: the contract's limit for one message."""
 
 
 class _Answered(NamedTuple):
@@ -101,25 +92,14 @@ def run_agent(
         OptionError: The mind does not accept an option.
         ConnectionError: The options of `where` contradict each other.
     """
-    started = time.monotonic()
-    try:
-        session = link.open_session(
-            where,
-            stop,
-            timeout=retry_for if retry_for < 1e9 else None,
-            waiting=lambda why: _log(f"waiting why={why!r}"),
-        )
-    except ConnectionError as error:
-        _log(str(error))
-        return 1
-    if session is None:
-        return 0
-    with closing(session):
-        remaining = max(0.0, retry_for - (time.monotonic() - started))
+
+    def run(session: zenoh.Session, remaining: float) -> int:
         return _AgentPeer(
             session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore,
             on_instance or _ignore,
         ).run(stop)  # fmt: skip
+
+    return run_in_session(where, retry_for, stop, run)
 
 
 class _AgentPeer:
@@ -147,7 +127,6 @@ class _AgentPeer:
         self._encoding = encoding
         self._keys = keys
         self._joins_as = where.world, robot.role, agent
-        self._map_key = keys.map
         self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
         self._leave_key = keys.leave(agent)
@@ -155,15 +134,14 @@ class _AgentPeer:
         self._error_key = keys.error(agent)
         self._power_key = keys.power(agent)
         self._exit: int | None = None
-        self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | _Answered] = queue.SimpleQueue()
-        self._dropped = 0
-        self._watch = DecisionWatch(_log)
+        self._arrivals = Arrivals[_Answered]()
+        self._watch = DecisionWatch(log)
         self._harness = Harness(
             robot,
             make,
             options=options,
             encoding=encoding,
-            fetch_map=self._fetch_map,
+            fetch_map=functools.partial(fetch_map, session, keys),
             simulator=where.where(),
             retry_for=retry_for,
         )
@@ -171,11 +149,11 @@ class _AgentPeer:
         channel = "pose" if role == "body" else "actions"
         put_key = keys.pose(agent) if role == "body" else keys.actions(agent)
         # The order prevents a race at joining: subscribe first, then declare the token, then ask.
-        self._subscriber = session.declare_subscriber(keys.outs(agent), self._store)
+        self._subscriber = session.declare_subscriber(keys.outs(agent), self._arrivals.store)
         self._publisher = link.declare(session, put_key, CHANNELS[channel], encoding)
         self._token_key = functools.partial(keys.token, agent, role)
         self._token: Any = link.declare_token(session, self._token_key(instance))
-        self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
+        self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._arrivals.notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
         """Run until `stop` is set or the harness ends, and return the exit code."""
@@ -195,8 +173,7 @@ class _AgentPeer:
                     # Remove the body at once instead of after the timeout, but print no "left" line: this is a crash.
                     outputs = [output for output in outputs if isinstance(output, RequestLeave)]
                 self._do(outputs)
-                if self._dropped:
-                    _log(f"overflowed arrivals={self._dropped}")
+                self._arrivals.report_dropped()
         return self._exit or 0
 
     def _disappear(self) -> None:
@@ -206,18 +183,6 @@ class _AgentPeer:
         self._disappear()
         self._token = link.declare_token(self._session, self._token_key(instance))
         self._on_instance(instance)
-
-    def _store(self, sample: zenoh.Sample) -> None:
-        if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
-            self._arrivals.put(sample)
-            return
-        if self._dropped == 0:
-            why = f"{len(sample.payload)} bytes, {self._arrivals.qsize()} waiting"
-            _log(f"dropped key={sample.key_expr} why='{why}; expected at most {ARRIVAL_LIMIT} and {QUEUE_LIMIT}'")
-        self._dropped += 1
-
-    def _notice(self, token: zenoh.Sample) -> None:
-        self._arrivals.put(zenoh_inbox.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
 
     def _turn(self) -> None:
         """Wait for arrivals or the harness's deadline, and handle what came."""
@@ -262,7 +227,7 @@ class _AgentPeer:
         try:
             payload = data, encoding_of(str(sample.encoding), data)
         except WireError as error:
-            _log(f"dropped key={key} why={error.text!r}")
+            log(f"dropped key={key} why={error.text!r}")
             return
         if key == self._measures_key:
             batch.append(payload)
@@ -284,25 +249,21 @@ class _AgentPeer:
             elif isinstance(output, AskBody):
                 self._ask("body", self._body_key, b"", CONFIRM_TIMEOUT)
             elif isinstance(output, RequestLeave):
-                self._leave(output.payload)
+                leave(self._session, self._leave_key, output.payload, self._encoding)
             elif isinstance(output, Print):
                 self._tell(output.line)
             elif isinstance(output, Log):
-                _log(output.line)
+                log(output.line)
             elif isinstance(output, Exit):
                 self._exit = output.code
                 if output.text:
-                    _log(output.text)
+                    log(output.text)
 
     def _ask(self, request: Literal["join", "clock", "body"], key: str, payload: bytes, timeout: float) -> None:
         """Query in a thread of its own, as an agent must keep answering ticks meanwhile; the answers will arrive."""
 
-        def ask() -> None:
-            try:
-                answers = link.query(self._session, key, payload, self._encoding, timeout=timeout)
-                answers = by_simulator(answers, self._keys, self._claims)
-            except (ConnectionError, zenoh.ZError):
-                answers = []
+        def query() -> None:
+            answers = ask(self._session, self._keys, key, payload, self._encoding, timeout)
             denied = ""
             if request == "join" and not any(answer.ok for answer in answers):
                 # A denial looks like silence, and a token that is not let through like one that is missing.
@@ -310,10 +271,7 @@ class _AgentPeer:
                     denied = denied_join(self._session, *self._joins_as, sure=bool(answers))
             self._arrivals.put(_Answered(request, [] if denied else answers, denied))
 
-        start_network_thread(request, ask)
-
-    def _claims(self) -> list[str]:
-        return link.tokens(self._session, self._keys.every_claim)
+        start_network_thread(request, query)
 
     def _replied(self, arrival: _Answered, now: float) -> list[Output]:
         request, answers, denied = arrival
@@ -328,22 +286,9 @@ class _AgentPeer:
         try:
             payload = answer.data, encoding_of(answer.encoding, answer.data)
         except WireError as error:
-            _log(f"dropped reply=join why={error.text!r}")
+            log(f"dropped reply=join why={error.text!r}")
             return self._harness.unanswered(now)
         return self._harness.accepted(payload) if answer.ok else self._harness.refused(payload, now)
-
-    def _leave(self, payload: bytes) -> None:
-        try:
-            link.query(self._session, self._leave_key, payload, self._encoding, timeout=LEAVE_TIMEOUT)
-        except (ConnectionError, zenoh.ZError) as error:
-            # At the end of a scene the simulator may be gone already, which is no fault.
-            _log(f"unanswered request=leave why={f'the simulator may have ended first: {error}'!r}")
-
-    def _fetch_map(self) -> Map:
-        answer = ask_simulator(self._session, self._keys, self._map_key, timeout=JOIN_TIMEOUT)[0]
-        if not answer.ok:
-            raise ConnectionError(f"map: expected the simulator's map, got an error: {answer.data[:200]!r}")
-        return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
 
 def _ignore(_what: object) -> None:
@@ -352,8 +297,3 @@ def _ignore(_what: object) -> None:
 
 def _print(line: str) -> None:
     print(line, flush=True)  # noqa: T201 - scripts wait for these lines
-
-
-def _log(line: str) -> None:
-    sys.stderr.write(line + "\n")
-    sys.stderr.flush()

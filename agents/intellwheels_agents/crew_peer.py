@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import queue
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -17,14 +16,6 @@ from typing import Any, Literal, NamedTuple
 
 import zenoh
 
-from intellwheels_agents.agent_peer import (
-    ARRIVAL_LIMIT,
-    CONFIRM_TIMEOUT,
-    JOIN_TIMEOUT,
-    LEAVE_TIMEOUT,
-    QUEUE_LIMIT,
-    SLICE,
-)
 from intellwheels_agents.crew_harness import (
     AskBodyOf,
     CrewHarness,
@@ -35,18 +26,25 @@ from intellwheels_agents.crew_harness import (
 )
 from intellwheels_agents.decision_watch import DecisionWatch
 from intellwheels_agents.harness_outputs import AskClock, Exit, Log, Print, Publish
+from intellwheels_agents.simulator_session import (
+    CONFIRM_TIMEOUT,
+    JOIN_TIMEOUT,
+    SLICE,
+    Arrivals,
+    ask,
+    fetch_map,
+    leave,
+    log,
+    run_in_session,
+)
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import Encoding, decode, encoding_of
+from intellwheels_schemas.codec import Encoding, encoding_of
 from intellwheels_schemas.crew_messages import CrewPart, split_measures
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Map
 from intellwheels_schemas.own_rights import denied, denied_join
 from intellwheels_schemas.process import start_network_thread
-from intellwheels_schemas.repliers import by_simulator
-from intellwheels_schemas.session_closing import closing
-from intellwheels_schemas.simulator_query import ask_simulator
 
 REST_WAIT = 0.005
 """Seconds to wait for the other parts of the measures of a tick, so that they are answered with one message."""
@@ -86,22 +84,11 @@ def run_crew(
         OptionError: A mind does not accept an option.
         ConnectionError: The options of `where` contradict each other.
     """
-    started = time.monotonic()
-    try:
-        session = link.open_session(
-            where,
-            stop,
-            timeout=retry_for if retry_for < 1e9 else None,
-            waiting=lambda why: _log(f"waiting why={why!r}"),
-        )
-    except ConnectionError as error:
-        _log(str(error))
-        return 1
-    if session is None:
-        return 0
-    with closing(session):
-        remaining = max(0.0, retry_for - (time.monotonic() - started))
+
+    def run(session: zenoh.Session, remaining: float) -> int:
         return _CrewPeer(session, crew, instance, members, where, encoding, remaining).run(stop)
+
+    return run_in_session(where, retry_for, stop, run)
 
 
 class _CrewPeer:
@@ -122,22 +109,21 @@ class _CrewPeer:
         self._measures_key, self._error_key = keys.crew_measures(crew), keys.crew_error(crew)
         self._roles = {member.robot.name or "": member.robot.role for member in members}
         self._exit: int | None = None
-        self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | _Answered] = queue.SimpleQueue()
-        self._dropped = 0
-        self._watch = DecisionWatch(_log)
+        self._arrivals = Arrivals[_Answered]()
+        self._watch = DecisionWatch(log)
         self._harness = CrewHarness(
-            crew, instance, members, encoding=encoding, fetch_map=self._fetch_map, simulator=where.where(),
-            retry_for=retry_for,
+            crew, instance, members, encoding=encoding, fetch_map=partial(fetch_map, session, keys),
+            simulator=where.where(), retry_for=retry_for,
         )  # fmt: skip
         # The order prevents a race at joining: subscribe first, then declare the tokens, then ask.
         self._subscribers = [
-            session.declare_subscriber(key, self._store) for key in (self._measures_key, self._error_key)
+            session.declare_subscriber(key, self._arrivals.store) for key in (self._measures_key, self._error_key)
         ]
         self._publisher = link.declare(session, keys.crew_actions(crew), CHANNELS["crew_actions"], encoding)
         self._tokens: list[Any] = [
             link.declare_token(session, keys.token(agent, role, instance, crew)) for agent, role in self._roles.items()
         ]
-        self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
+        self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._arrivals.notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
         """Run until `stop` is set or the crew ends, and return the exit code."""
@@ -162,21 +148,8 @@ class _CrewPeer:
                     # Remove the bodies at once instead of after the timeout, but print no "left" line: this is a crash.
                     outputs = [output for output in outputs if isinstance(output, RequestCrewLeave)]
                 self._do(outputs)
-                if self._dropped:
-                    _log(f"overflowed arrivals={self._dropped}")
+                self._arrivals.report_dropped()
         return self._exit or 0
-
-    def _store(self, sample: zenoh.Sample) -> None:
-        if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
-            self._arrivals.put(sample)
-            return
-        if self._dropped == 0:
-            why = f"{len(sample.payload)} bytes, {self._arrivals.qsize()} waiting"
-            _log(f"dropped key={sample.key_expr} why='{why}; expected at most {ARRIVAL_LIMIT} and {QUEUE_LIMIT}'")
-        self._dropped += 1
-
-    def _notice(self, token: zenoh.Sample) -> None:
-        self._arrivals.put(zenoh_inbox.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
 
     def _turn(self) -> None:
         """Wait for arrivals or the harness's deadline, and handle what came."""
@@ -220,7 +193,7 @@ class _CrewPeer:
                 parts.setdefault(encoding, []).append(part)
                 return part
         except WireError as error:
-            _log(f"dropped key={key} why={error.text!r}")
+            log(f"dropped key={key} why={error.text!r}")
             return None
         if key == self._error_key:
             self._do(self._harness.erred((data, encoding), time.monotonic()))
@@ -238,11 +211,11 @@ class _CrewPeer:
             elif isinstance(output, AskBodyOf):
                 self._ask("body", keys.body(output.agent), b"", CONFIRM_TIMEOUT, (output.agent,))
             elif isinstance(output, RequestCrewLeave):
-                self._leave(output.payload)
+                leave(self._session, keys.crew_leave(self._crew), output.payload, self._encoding)
             elif isinstance(output, Print):
                 print(output.line, flush=True)  # noqa: T201 - scripts wait for these lines
             elif isinstance(output, Log):
-                _log(output.line)
+                log(output.line)
             elif isinstance(output, Exit):
                 self._exit = output.code
 
@@ -256,19 +229,15 @@ class _CrewPeer:
     ) -> None:
         """Query in a thread of its own, as a crew must keep answering ticks meanwhile; the answers will arrive."""
 
-        def ask() -> None:
-            try:
-                answers = link.query(self._session, key, payload, self._encoding, timeout=timeout)
-                answers = by_simulator(answers, self._keys, self._claims)
-            except (ConnectionError, zenoh.ZError):
-                answers = []
+        def query() -> None:
+            answers = ask(self._session, self._keys, key, payload, self._encoding, timeout)
             why = ""
             if request == "join" and not any(answer.ok for answer in answers):
                 with contextlib.suppress(zenoh.ZError):
                     why = self._denied(key, agents, sure=bool(answers))
             self._arrivals.put(_Answered(request, agents, [] if why else answers, why))
 
-        start_network_thread(request, ask)
+        start_network_thread(request, query)
 
     def _denied(self, key: str, agents: Sequence[str], *, sure: bool) -> str:
         """Return in words that this session may not join so; empty if it may, or if nobody knows."""
@@ -276,9 +245,6 @@ class _CrewPeer:
         return next(
             (why for ask in (partial(denied, self._session, key, "query"), *asks) if (why := ask(sure=sure))), ""
         )
-
-    def _claims(self) -> list[str]:
-        return link.tokens(self._session, self._keys.every_claim)
 
     def _replied(self, arrival: _Answered, now: float) -> list[CrewOutput]:
         harness, answers = self._harness, arrival.answers
@@ -293,26 +259,7 @@ class _CrewPeer:
         try:
             payload = answer.data, encoding_of(answer.encoding, answer.data)
         except WireError as error:
-            _log(f"dropped reply=join why={error.text!r}")
+            log(f"dropped reply=join why={error.text!r}")
             return harness.unanswered(arrival.agents, now)
         take = harness.joined if answer.ok else harness.refused
         return take(payload, arrival.agents, now)
-
-    def _leave(self, payload: bytes) -> None:
-        try:
-            key = self._keys.crew_leave(self._crew)
-            link.query(self._session, key, payload, self._encoding, timeout=LEAVE_TIMEOUT)
-        except (ConnectionError, zenoh.ZError) as error:
-            # At the end of a scene the simulator may be gone already, which is no fault.
-            _log(f"unanswered request=leave why={f'the simulator may have ended first: {error}'!r}")
-
-    def _fetch_map(self) -> Map:
-        answer = ask_simulator(self._session, self._keys, self._keys.map, timeout=JOIN_TIMEOUT)[0]
-        if not answer.ok:
-            raise ConnectionError(f"map: expected the simulator's map, got an error: {answer.data[:200]!r}")
-        return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
-
-
-def _log(line: str) -> None:
-    sys.stderr.write(line + "\n")
-    sys.stderr.flush()

@@ -63,6 +63,12 @@ def narrow_starts(scene: Scene, floor: Map, robots: Mapping[str, Robot]) -> list
     return findings
 
 
+_CELL = 8.0
+"""Size of the squares in which solids are looked up, m."""
+_LARGE = 1000.0
+"""Length in m, or area in m2, of solids that are not looked up: they would be in many squares."""
+
+
 class TurningCheck:
     """Tells where robots cannot turn on one map. It cuts the walls once, which takes longer than all else here.
 
@@ -73,6 +79,15 @@ class TurningCheck:
     def __init__(self, floor: Map) -> None:
         self.floor = floor
         self._solids = list(_solids(floor))
+        self._cells: dict[tuple[int, int], list[int]] = {}  # the solids whose bounds meet each square
+        self._large: list[int] = []  # those that meet many
+        for number, solid in enumerate(self._solids):
+            left, right, below, above = solid[4]
+            if (right - left) * (above - below) > _LARGE or max(right - left, above - below) > _LARGE:
+                self._large.append(number)
+                continue
+            for cell in _squares(*solid[4]):
+                self._cells.setdefault(cell, []).append(number)
 
     def narrowness(self, robot: Robot, x: float, y: float) -> str | None:
         """Return why a robot cannot turn on the spot at a point of the map, or None if it can or never turns.
@@ -84,7 +99,19 @@ class TurningCheck:
         """
         circles = _circles(robot)
         reach = _reach(circles)
-        return _why(circles, (solid for solid in self._solids if _may_meet(solid, x, y, reach)), x, y)
+        near = set(self._large)
+        for cell in _squares(x - reach, x + reach, y - reach, y + reach):
+            near.update(self._cells.get(cell, ()))
+        solids = (self._solids[number] for number in sorted(near))
+        return _why(circles, (solid for solid in solids if _may_meet(solid, x, y, reach)), x, y)
+
+
+def _squares(left: float, right: float, below: float, above: float) -> Iterator[tuple[int, int]]:
+    """Yield the squares that some bounds meet."""
+    rows = range(math.floor(below / _CELL), math.floor(above / _CELL) + 1)
+    for column in range(math.floor(left / _CELL), math.floor(right / _CELL) + 1):
+        for row in rows:
+            yield column, row
 
 
 Circle = tuple[float, float, float]

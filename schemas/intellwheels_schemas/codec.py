@@ -226,14 +226,24 @@ def _from_json(cls: type[_M], data: bytes, strict: bool, read: Callable[[bytes],
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
-        written = _write(message)
-        if written == data:  # as our writer writes it
-            return message
-        # The encoded message repeats no name, so equal numbers of colons mean that the data repeats none either.
-        # A colon within text counts on both sides, unless it is escaped.
-        if b"null" not in data and b"\\u" not in data and data.count(b":") == written.count(b":"):
+        if repeats_nothing(message, data):
             return message
     return from_plain(cls, parse_json(data, root_of(cls)), strict=strict)
+
+
+def repeats_nothing(message: Record, data: bytes) -> bool:
+    """Return whether a JSON document surely has no repeated name and no null, which a fast reader does not detect.
+
+    Args:
+        message: What the fast reader found in it.
+        data: The document.
+    """
+    written = _write(message)
+    if written == data:  # as our writer writes it
+        return True
+    # The encoded message repeats no name, so equal numbers of colons mean that the data repeats none either.
+    # A colon within text counts on both sides, unless it is escaped.
+    return b"null" not in data and b"\\u" not in data and data.count(b":") == written.count(b":")
 
 
 def _from_xml(cls: type[_M], data: bytes, strict: bool) -> _M:

@@ -5,17 +5,35 @@ What each agent sends or gets is encoded once, as if it were alone. Here its nam
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Final, Literal, NamedTuple
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import accumulate
+from operator import attrgetter, ne
+from typing import Annotated, Any, Final, Literal, NamedTuple
 
 import msgspec
 from lxml import etree
 
 from intellwheels_schemas import elements, rules
-from intellwheels_schemas.codec import LIMITS, Encoding, decode, from_plain, parse_json
+from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, decode, from_plain, parse_json, repeats_nothing
 from intellwheels_schemas.errors import WireError, wrong_value
 from intellwheels_schemas.explain import Repeated, shown, too_long
-from intellwheels_schemas.messages import Actions, AgentActions, AgentMeasures, CrewActions, CrewJoin, CrewMeasures
+from intellwheels_schemas.messages import (
+    Actions,
+    AgentActions,
+    AgentMeasures,
+    CrewActions,
+    CrewJoin,
+    CrewMeasures,
+    ElementText,
+    Goal,
+    PartCount,
+    PartNumber,
+    Power,
+    SentSeq,
+    SentTick,
+    Word,
+)
 from intellwheels_schemas.names import is_name
 
 CrewKind = Literal["Actions", "Measures", "Leave"]
@@ -88,14 +106,12 @@ def crew_join(crew: str, instance: str, robots: Sequence[bytes], encoding: Encod
 
 
 def _parts(items: Sequence[bytes], limit: int = PART_BYTES) -> Iterator[Sequence[bytes]]:
-    first = size = 0
-    for index, item in enumerate(items):
-        if size + len(item) > limit and index > first:
-            yield items[first:index]
-            first, size = index, 0
-        size += len(item) + 1
-    if first < len(items):
-        yield items[first:]
+    ends = list(accumulate(len(item) + 1 for item in items))  # each item has a comma behind it, which the last lacks
+    first = before = 0
+    while first < len(items):
+        end = max(bisect_right(ends, before + limit + 1, first), first + 1)
+        yield items[first:end]
+        first, before = end, ends[end - 1]
 
 
 def alone(actions: Actions) -> Actions:
@@ -161,6 +177,71 @@ def split_measures(data: bytes, encoding: Encoding) -> CrewPart:
             child.tag = AgentMeasures.__name__
             found[child.get("Agent", "")] = etree.tostring(child, with_tail=False)
     return CrewPart(part, parts, found)
+
+
+class _KnownActions(AgentActions, frozen=True, kw_only=True):
+    """`AgentActions` whose run, session and name are compared with known ones, so that no pattern is searched in them.
+
+    All fields stand here again in the order in which they are written.
+    """
+
+    run: str | None = None
+    session: str | None = None
+    tick: SentTick | None = None
+    seq: SentSeq | None = None
+    left_motor: Power | None = None
+    right_motor: Power | None = None
+    mode: Word | None = None
+    leave: bool = False
+    goal: Goal | None = None
+    say: ElementText | None = None
+    agent: str
+
+
+class _KnownCrewActions(CrewActions, frozen=True, kw_only=True):
+    """`CrewActions` with such items."""
+
+    crew: str
+    part: PartNumber = 0
+    parts: PartCount = 1
+    actions: Annotated[tuple[_KnownActions, ...], msgspec.Meta(max_length=rules.MAX_CREW)] = ()
+
+
+_read_known: Final = msgspec.json.Decoder(_KnownCrewActions).decode
+_FACTS: Final = attrgetter("agent", "session", "run", "tick", "leave", "say")
+
+
+def read_known_actions(
+    crew: str, data: bytes, run: str, tick: int, sessions: Mapping[str, str]
+) -> dict[str, AgentActions] | None:
+    """Return the actions in JSON `CrewActions` by agent, or None if some of them need to be read with `read_actions`.
+
+    This is quicker, and the result is the same. It is for what nearly all crews send at nearly all ticks: all actions
+    answer this tick of this run, no agent leaves, and none says anything.
+
+    Args:
+        crew: Name of the crew in the key.
+        data: The payload.
+        run: The current run.
+        tick: The current tick.
+        sessions: The session of each agent of the crew.
+    """
+    if len(data) > LIMITS.get(CrewActions, MAX_BYTES):
+        return None
+    try:
+        message = _read_known(data)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        return None
+    items = message.actions
+    if not items or message.crew != crew or not message.part < message.parts or not repeats_nothing(message, data):
+        return None
+    agents, found, runs, ticks, leaves, says = zip(*map(_FACTS, items), strict=True)
+    if {*runs} != {run} or {*ticks} != {tick} or any(leaves) or {*says} != {None}:
+        return None
+    actions: dict[str, AgentActions] = dict(zip(agents, items, strict=True))
+    if None in found or len(actions) != len(items) or any(map(ne, map(sessions.get, agents), found)):
+        return None
+    return actions
 
 
 class WrongItem(NamedTuple):

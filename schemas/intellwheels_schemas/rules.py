@@ -105,10 +105,12 @@ def _wire(cls: type[Record], name: str) -> str:
 # ---------------------------------------------------------------- robots
 
 
+_SENSOR_WIRES: Final = tuple((kind, _wire(Robot, kind)) for kind in SENSOR_KINDS)
+
+
 def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
     """Yield every declared sensor in declaration order: field name of its kind, index within the kind, declaration."""
-    for kind in SENSOR_KINDS:
-        wire = _wire(Robot, kind)
+    for kind, wire in _SENSOR_WIRES:
         for index, sensor in enumerate(getattr(robot, kind)):
             yield wire, index, sensor
 

@@ -78,3 +78,13 @@ def test_nobody_in_an_included_scene_starts_where_it_cannot_turn(name: str) -> N
     chosen = scene(name)
     bodies = {cast.name: robot(cast.robot) for cast in chosen.cast if cast.robot}
     assert narrow_starts(chosen, floor(chosen.map), bodies) == []
+
+
+def test_solid_of_any_size_is_found_wherever_it_begins() -> None:
+    body = Robot(top_speed=1.0, part=(BASE,))
+    for size in (0.1, 30.0, 900.0, 9000.0):
+        for x in (-7.9, 7.9, 100.3):
+            near = ground(obstacle=(Obstacle(name="box", top=1.0, corner=ring(x, -size, x + size, size)),))
+            check = TurningCheck(near)
+            assert check.narrowness(body, x - 0.5, 0.0) is not None
+            assert check.narrowness(body, x - 1.0, 0.0) is None

@@ -14,6 +14,7 @@ from intellwheels_schemas.crew_messages import (
     for_crew,
     join_parts,
     read_actions,
+    read_known_actions,
     split_measures,
 )
 from intellwheels_schemas.errors import WireError
@@ -158,3 +159,54 @@ def test_actions_of_a_crew_are_those_of_the_agent_without_its_name() -> None:
     fields = msgspec.structs.asdict(actions)
     assert alone(AgentActions(agent="a", **fields)) == actions
     assert alone(actions) is actions
+
+
+RUN, SESSIONS = "f" * 16, {"a1": "1" * 16, "a2": "2" * 16}
+ITEM = b'{"Run":"ffffffffffffffff","Session":"1111111111111111","Tick":7,"LeftMotor":0.5,"Mode":"go","Agent":"a1"}'
+
+
+@pytest.mark.parametrize("item", [ITEM, ITEM.replace(b":", b" : "), ITEM.replace(b',"LeftMotor":0.5', b"")])
+def test_quick_way_reads_the_same_as_the_other_one(item: bytes) -> None:
+    data = b'{"Crew":"c","Part":1,"Parts":2,"Actions":[%s]}' % item
+    found = read_known_actions("c", data, RUN, 7, SESSIONS)
+    (expected,) = read_actions("c", data, Encoding.JSON)
+    assert found is not None
+    assert isinstance(expected, AgentActions)
+    assert list(found) == ["a1"]
+    assert msgspec.structs.asdict(found["a1"]) == msgspec.structs.asdict(expected)
+    assert encode(found["a1"]) == encode(expected)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'"Tick":7', b'"Tick":6'),
+        (b'"Run":"ffffffffffffffff",', b""),
+        (b'"Session":"1111111111111111"', b'"Session":"2222222222222222"'),
+        (b'"Session":"1111111111111111",', b""),
+        (b'"Agent":"a1"', b'"Agent":"a9"'),
+        (b'"Session":"1111111111111111","Tick":7,"LeftMotor":0.5,"Mode":"go","Agent":"a1"', b'"Tick":7,"Agent":"a9"'),
+        (b'"Mode":"go"', b'"Mode":"to go"'),
+        (b'"Mode":"go"', b'"Mode":null'),
+        (b'"Mode":"go"', b'"Mode":"go","Mode":"go"'),
+        (b'"Mode":"go"', b'"Leave":true'),
+        (b'"Mode":"go"', b'"Say":"hello"'),
+        (b'"LeftMotor":0.5', b'"LeftMotor":1.5'),
+        (b'"LeftMotor":0.5', b'"Motor":0.5'),
+        (b"]}", b",%s]}" % ITEM),
+        (b'"Crew":"c"', b'"Crew":"d"'),
+        (b'"Crew":"c"', b'"Crew":"c","Part":1'),
+        (b"]}", b"]"),
+    ],
+)
+def test_quick_way_leaves_to_the_other_one_what_is_wrong_or_special(old: bytes, new: bytes) -> None:
+    data = b'{"Crew":"c","Actions":[%s]}' % ITEM
+    assert read_known_actions("c", data, RUN, 7, SESSIONS) is not None
+    assert read_known_actions("c", data.replace(old, new), RUN, 7, SESSIONS) is None
+
+
+def test_parts_are_as_large_as_the_limit_allows() -> None:
+    for size, parts in ((23_999, [2, 1]), (24_000, [1, 1, 1]), (50_000, [1, 1, 1]), (10, [3])):
+        found = crew_messages("Leave", "c", [b"x" * size] * 3, Encoding.JSON)
+        assert [data.count(b"x" * size) for data in found] == parts
+    assert crew_messages("Leave", "c", [], Encoding.JSON) == []

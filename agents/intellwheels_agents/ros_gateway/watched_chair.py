@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -16,9 +17,10 @@ from intellwheels_agents.ros_gateway.world_link import TRY_EVERY, WorldQueries
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
+from intellwheels_schemas.crew_messages import split_measures
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Measures, Robot
+from intellwheels_schemas.messages import AgentMeasures, Body, Measures, Robot
 from intellwheels_schemas.zenoh_inbox import Inbox, Put
 
 GOAL_DELAY: Final = 0.05
@@ -58,16 +60,27 @@ class WatchedChair:
         self._messages: ChairMessages | None = None
         self._run = ""
         self._try_at = 0.0
+        self._crew: str | None = None
+        self._crew_measures: Any = None
 
     def run(self, stop: threading.Event, tell: Callable[[str], None]) -> None:
         """Watch until `stop` is set; `tell` prints the line that says that the chair is there."""
         inbox, agent = Inbox(), self._agent
-        publisher = link.declare(self._session, self._keys.user(agent), CHANNELS["user"], Encoding.JSON)
-        with publisher, self._session.declare_subscriber(self._keys.measures(agent), inbox.on_sample):
+        session, keys = self._session, self._keys
+        publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
+        with (
+            publisher,
+            session.declare_subscriber(keys.measures(agent), inbox.on_sample),
+            session.declare_subscriber(keys.body(agent), inbox.on_sample),
+            contextlib.closing(self),
+        ):
+            self._ask_crew(inbox)
             while not stop.is_set():
                 inbox.wait(GOAL_DELAY)
                 for arrival in inbox.take():
-                    if isinstance(arrival, Put):
+                    if isinstance(arrival, Put) and arrival.key == keys.body(agent):
+                        self._take_body(arrival, inbox)
+                    elif isinstance(arrival, Put):
                         self._take(arrival, tell)
                 for _, message in self._goals.take():
                     try:
@@ -75,14 +88,54 @@ class WatchedChair:
                     except WireError as error:
                         self._goals.refuse(error)
 
+    def close(self) -> None:
+        """End the subscription to the measures of a crew, if there is one."""
+        if self._crew_measures is not None:
+            self._crew_measures.undeclare()
+            self._crew_measures = None
+
+    def _ask_crew(self, inbox: Inbox) -> None:
+        """Find out in which crew the chair is, if it is here already; else its body will be published."""
+        with contextlib.suppress(ConnectionError):
+            self._follow(self._world.body(self._agent).robot.crew, inbox)
+
+    def _take_body(self, put: Put, inbox: Inbox) -> None:
+        try:
+            body = decode(Body, put.data, encoding_of(put.encoding, put.data), strict=False)
+        except WireError as error:
+            self._log(f"dropped key={put.key} why={error.text!r}")
+            return
+        self._follow(body.robot.crew, inbox)
+
+    def _follow(self, crew: str | None, inbox: Inbox) -> None:
+        """Subscribe to the measures of the crew that the chair is in now."""
+        if crew == self._crew:
+            return
+        self.close()
+        self._crew = crew
+        if crew is not None:
+            self._crew_measures = self._session.declare_subscriber(self._keys.crew_measures(crew), inbox.on_sample)
+
+    def _measures(self, put: Put) -> Measures | None:
+        """Return the measures of the chair; None if those of a crew have none of it.
+
+        Raises:
+            WireError: They cannot be read.
+        """
+        encoding = encoding_of(put.encoding, put.data)
+        if self._keys.parse_crew_measures(put.key) is None:
+            return decode(Measures, put.data, encoding, strict=False)
+        own = split_measures(put.data, encoding).measures.get(self._agent)
+        return None if own is None else decode(AgentMeasures, own, encoding, strict=False)
+
     def _take(self, put: Put, tell: Callable[[str], None]) -> None:
         try:
-            measures = decode(Measures, put.data, encoding_of(put.encoding, put.data), strict=False)
+            measures = self._measures(put)
         except WireError as error:
             self._log(f"dropped key={put.key} why={error.text!r}")
             return
         # The period follows from a tick, so the first tick of a run cannot be told.
-        if tick_length(measures) is None:
+        if measures is None or tick_length(measures) is None:
             return
         known = measures.run == self._run and self._messages is not None and self._messages.takes(measures)
         if not known and not self._begin(measures, tell):

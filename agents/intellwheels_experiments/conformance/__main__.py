@@ -27,7 +27,8 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 HELP = f"""\
 The command starts the program several times. Each time it replaces {{endpoint}}, {{world}} and {{name}} in COMMAND. The
 program also finds them in its environment, as IW_ENDPOINT, IW_WORLD and IW_NAME: where to connect, which world to join,
-and under which name. The program must join by itself, wait while there is no simulator, and end on SIGTERM.
+and under which name. The program must join by itself, in no
+crew, wait while there is no simulator, and end on SIGTERM.
 
 points (the situation: what the program must do):
 {textwrap.indent(described(), "    ")}

@@ -14,7 +14,9 @@ import msgspec
 
 from intellwheels_experiments.conformance.plausible_readings import readings
 from intellwheels_experiments.conformance.probe import (
+    NO_CREWS,
     ActionsPut,
+    CrewRequest,
     JoinRequest,
     Probe,
     ProgramEvent,
@@ -157,7 +159,9 @@ class AgentSession:
             PointError: It did not ask in time, or the simulator would refuse it.
         """
         expected = f"a query to join/{self.agent}"
-        request = self.next_event((JoinRequest,), self.patience.start, expected)
+        request = self.next_event((JoinRequest, CrewRequest), self.patience.start, expected)
+        if isinstance(request, CrewRequest):
+            raise PointError(expected, f"a query to crew/{request.crew}/join; {NO_CREWS}")
         if not isinstance(request, JoinRequest):
             raise PointError(f"{expected} within {self.patience.start:g} s", "none")
         try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple, Protocol, TypeAlias
+from typing import Final, Literal, NamedTuple, Protocol, TypeAlias
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import Role
@@ -21,6 +21,15 @@ class JoinRequest(NamedTuple):
     data: bytes
     encoding: str
     answer: Callable[[bytes, Encoding, bool], None]
+
+
+NO_CREWS: Final = "iw-check-agent checks one agent by itself, and no crews"
+
+
+class CrewRequest(NamedTuple):
+    """The program asked to join as a crew, and was refused: a crew is not checked."""
+
+    crew: str
 
 
 class ActionsPut(NamedTuple):
@@ -55,7 +64,7 @@ class ProgramExit(NamedTuple):
     code: int
 
 
-ProgramEvent: TypeAlias = JoinRequest | ActionsPut | TokenChange | LeaveRequest | ProgramExit
+ProgramEvent: TypeAlias = JoinRequest | CrewRequest | ActionsPut | TokenChange | LeaveRequest | ProgramExit
 
 
 class Probe(Protocol):

@@ -21,7 +21,9 @@ from typing import Final, Literal, Self
 import zenoh
 
 from intellwheels_experiments.conformance.probe import (
+    NO_CREWS,
     ActionsPut,
+    CrewRequest,
     JoinRequest,
     LeaveRequest,
     ProgramEvent,
@@ -35,7 +37,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, declare, declare_token, open_session, watch_tokens
-from intellwheels_schemas.messages import Clock, Map, Measures, Result
+from intellwheels_schemas.messages import Clock, Map, Measures, Refused, Result
 from intellwheels_schemas.own_rights import denied_service
 from intellwheels_schemas.zenoh_inbox import Arrival, Ask, Inbox, Presence, Put
 
@@ -239,6 +241,11 @@ class NetworkProbe:
             ask.reply(encode(Result(code="ok"), encoding), encoding)
             ask.close()
             self._events.append(LeaveRequest())
+        elif (asked := self._keys.parse_crew_query(ask.key)) is not None:
+            refused = Refused(code="value", text=f"{NO_CREWS}; crew '{asked.crew}' asked to join")
+            ask.refuse(encode(refused, encoding), encoding)
+            ask.close()
+            self._events.append(CrewRequest(asked.crew))
         elif ask.key == self._keys.clock:
             if (clock := self._clock()) is not None:
                 ask.reply(encode(clock, encoding), encoding)
@@ -270,7 +277,7 @@ class _Simulator:
                 raise ConnectionError(denied)
             stack.enter_context(watch_tokens(session, keys.tokens(agent), self._inbox))
             stack.enter_context(session.declare_subscriber(keys.actions(agent), self._on_actions))
-            for key in (keys.join(agent), keys.leave(agent), keys.map, keys.clock):
+            for key in (keys.join(agent), keys.leave(agent), keys.every_crew_join, keys.map, keys.clock):
                 stack.enter_context(session.declare_queryable(key, self._inbox.on_query))
             self._publishers = {
                 kind: stack.enter_context(declare(session, keys.out(agent, kind), CHANNELS[kind], Encoding.JSON))

@@ -27,6 +27,8 @@ def body_join(service: ServiceState, member: Member) -> Join:
 
 def reserved_places(service: ServiceState, besides: str = "") -> tuple[str, ...]:
     """Return the places that are kept for agents, sorted. A place that this map does not have is nobody's."""
+    if not service.options.reserved:
+        return ()
     grid = service.run.state.setup.floor.grid
     known = {spot.name for spot in grid.position} if grid is not None else set()
     reserved = service.options.reserved.items()

@@ -6,21 +6,16 @@ answer could not drive otherwise. A newer command is never replaced by an older 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from operator import attrgetter
+from typing import Final
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.service.error_replies import Fault
 
-
-@dataclass(slots=True)
-class _Commands:
-    """The commands of an agent: the tick and number of the newest, their count, and the sum of their ages in ticks."""
-
-    tick: int = -1
-    seq: int | None = None
-    count: int = 0
-    ages: int = 0
+_MOMENT: Final = attrgetter("tick", "seq")
 
 
 def has_command(actions: Actions) -> bool:
@@ -39,8 +34,9 @@ class CommandAges:
         self._period = period
         # A sum of periods may be a little more than the time that is meant.
         self._limit = int(defaults.LATE_COMMAND / period + 1e-9)
-        self._of: dict[str, _Commands] = {}
-        self._late: set[str] = set()
+        self._newest: dict[str, tuple[int, int | None]] = {}  # tick and number of the newest command of each agent
+        self._counts: Counter[str] = Counter()
+        self._ages: dict[str, int] = {}  # sum of the ages in ticks, of agents with late commands
 
     def check_late(self, agent: str, actions: Actions, run: str, tick: int) -> Fault | None:
         """Return what is wrong with actions that answer an earlier tick, or None if they still count.
@@ -58,42 +54,50 @@ class CommandAges:
         if answered < limit:
             text = f"{where}: expected {limit} or later, at most {defaults.LATE_COMMAND:g} s late, got {answered}"
             return Fault("late", f"{text}; it was not used, because the mind or the machine is too slow", where)
-        newest = self._of.get(agent)
-        if not has_command(actions) or newest is None or (answered, actions.seq or 0) > (newest.tick, newest.seq or 0):
+        newest = self._newest.get(agent)
+        if not has_command(actions) or newest is None or (answered, actions.seq or 0) > (newest[0], newest[1] or 0):
             return None
-        if answered == newest.tick and actions.seq is None:
+        if answered == newest[0] and actions.seq is None:
             return None
-        return Fault("late", f"{where}: expected more than {newest.tick}, which has acted, got {answered}", where)
+        return Fault("late", f"{where}: expected more than {newest[0]}, which has acted, got {answered}", where)
 
     def take(self, agent: str, actions: Actions, tick: int) -> None:
         """Note that actions with a command act on the step from a tick."""
-        commands = self._of.setdefault(agent, _Commands())
         answered = tick if actions.tick is None else actions.tick
-        if answered >= commands.tick:
-            commands.tick, commands.seq = answered, actions.seq
-        commands.count += 1
+        newest = self._newest.get(agent)
+        if newest is None or answered >= newest[0]:
+            self._newest[agent] = answered, actions.seq
+        self._counts[agent] += 1
         if tick != answered:
-            commands.ages += tick - answered
-            self._late.add(agent)
+            self._ages[agent] = self._ages.get(agent, 0) + tick - answered
+
+    def take_punctual(self, actions: Mapping[str, Actions]) -> None:
+        """Note that actions with a command, one of each agent, act on the step from the tick that they answer.
+
+        Each must have a tick, which must be the current one.
+        """
+        self._newest.update(zip(actions, map(_MOMENT, actions.values()), strict=True))
+        self._counts.update(actions.keys())
 
     def means(self) -> dict[str, float]:
         """Return the mean age of the commands of each slow agent, s, rounded to 1e-6.
 
         An agent whose commands are late now and then is not slow: the mean is at least half a tick.
         """
-        late = ((agent, self._of[agent]) for agent in self._late)
+        counts = self._counts
         return {
-            agent: round(commands.ages / commands.count * self._period, 6)
-            for agent, commands in late
-            if 2 * commands.ages >= commands.count
+            agent: round(ages / counts[agent] * self._period, 6)
+            for agent, ages in self._ages.items()
+            if 2 * ages >= counts[agent]
         }
 
     def forget(self, agent: str) -> None:
         """Forget an agent whose body is gone."""
-        self._of.pop(agent, None)
-        self._late.discard(agent)
+        for kept in (self._newest, self._counts, self._ages):
+            kept.pop(agent, None)
 
     def clear(self) -> None:
         """Forget everything, for a new run."""
-        self._of.clear()
-        self._late.clear()
+        self._newest.clear()
+        self._counts.clear()
+        self._ages.clear()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
+from typing import Final
 
-from intellwheels_schemas.codec import encoding_of
-from intellwheels_schemas.crew_messages import WrongItem, read_actions
+from intellwheels_schemas.codec import Encoding, encoding_of
+from intellwheels_schemas.crew_messages import WrongItem, read_actions, read_known_actions
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import shown
 from intellwheels_schemas.messages import AgentActions
@@ -16,6 +18,8 @@ from intellwheels_server.service.crews import Crew
 from intellwheels_server.service.error_replies import DELETED, Fault, flooding
 from intellwheels_server.service.outbound import send_crew_error, send_error
 from intellwheels_server.service.service_state import ServiceState
+
+_MOTORS: Final = attrgetter("left_motor"), attrgetter("right_motor")
 
 
 def take_crew_put(service: ServiceState, put: Put, now: float) -> None:
@@ -28,19 +32,34 @@ def take_crew_put(service: ServiceState, put: Put, now: float) -> None:
     # No agent's name has a slash.
     if not service.message_limit.admit(f"crew/{name}", service.run.state.tick, now):
         fault = flooding("CrewActions")
+        fault = fault._replace(text=f"{fault.text}; one message can have the actions of all agents of a crew")
     elif put.size > len(put.data):
         fault = Fault("too-long", f"CrewActions: expected fewer bytes, got {put.size}")
     elif (crew := service.agents.crews.named.get(name)) is None:
         fault = Fault("not-joined", "CrewActions: expected a crew that has joined, got one that has not", "CrewActions")
     else:
         try:
-            items = read_actions(name, put.data, encoding_of(put.encoding, put.data))
+            encoding = encoding_of(put.encoding, put.data)
+            if encoding is not Encoding.JSON or not _take_known(service, crew, put.data):
+                _take_items(service, crew, read_actions(name, put.data, encoding), now)
         except WireError as error:
             fault = Fault(error.code, error.text, error.where or None)
-        else:
-            _take_items(service, crew, items, now)
     if fault is not None:
         send_crew_error(service, name, fault, now)
+
+
+def _take_known(service: ServiceState, crew: Crew, data: bytes) -> bool:
+    """Take actions of which nothing is wrong and none is special, all at once; return whether they are such."""
+    state = service.run.state
+    if service.pacing.lockstep:  # each may be an answer or repeat one
+        return False
+    actions = read_known_actions(crew.name, data, state.run, state.tick, crew.sessions)
+    if actions is None:
+        return False
+    if any(None in map(motor, actions.values()) for motor in _MOTORS) or not service.latch.act_first(actions):
+        return False
+    service.command_ages.take_punctual(actions)
+    return True
 
 
 def _take_items(service: ServiceState, crew: Crew, items: Sequence[AgentActions | WrongItem], now: float) -> None:

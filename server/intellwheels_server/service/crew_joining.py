@@ -62,18 +62,10 @@ def handle_crew_deadlines(service: ServiceState, now: float) -> None:
 
 def handle_crew_join(service: ServiceState, query: Query, now: float) -> None:
     """Take a request of a crew to join; it is answered when changes may act."""
-    if not query.name:
-        if not query.has_wildcards:
-            query.refuse(Refused(code="name", text=f"crew/<crew>/join: {joining.NAME_EXPECTED}"))
-        else:
-            query.close()
+    found = joining.read_join(query, CrewJoin, "crew/<crew>/join")
+    if found is None:
         return
-    try:
-        encoding = encoding_of(query.encoding, query.data)
-        join = decode(CrewJoin, query.data, encoding)
-    except WireError as error:
-        query.refuse(Refused(code=joining.REFUSED.get(error.code, "value"), text=error.text[:1000]))
-        return
+    join, encoding = found
     if join.crew != query.name:
         text = f"CrewJoin.Crew: expected '{query.name}' as in the key, got '{join.crew}'"
         query.refuse(Refused(code="name", text=text))

@@ -5,7 +5,7 @@ A crew is there while it has members. It acts for them only, and it belongs to o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.crew_messages import for_crew
@@ -29,6 +29,7 @@ class Crew:
         self.name, self.instance, self.encoding = name, reader.instance, reader.encoding
         self.members: dict[str, Member] = {}
         self._names: tuple[str, ...] | None = None
+        self._sessions: dict[str, str] | None = None
         self._writer = MeasuresWriter(self.encoding, named=True)
 
     def add(self, agent: str, reader: Member) -> None:
@@ -38,12 +39,12 @@ class Crew:
             self.encoding = reader.encoding
             self._writer = MeasuresWriter(self.encoding, named=True)
         self.members[agent] = reader
-        self._names = None
+        self._names = self._sessions = None
 
     def remove(self, agent: str) -> None:
         """Forget an agent."""
         del self.members[agent]
-        self._names = None
+        self._names = self._sessions = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -51,6 +52,13 @@ class Crew:
         if self._names is None:
             self._names = tuple(self.members)
         return self._names
+
+    @property
+    def sessions(self) -> Mapping[str, str]:
+        """The session of each of its agents."""
+        if self._sessions is None:
+            self._sessions = {agent: member.session for agent, member in self.members.items()}
+        return self._sessions
 
     def write(self, state: State, agents: Sequence[str]) -> list[bytes]:
         """Return the encoded measures of some of its agents, as elements of `CrewMeasures`."""

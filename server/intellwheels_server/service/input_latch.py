@@ -6,6 +6,7 @@ values of the earlier ones.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final, TypeVar
 
 import msgspec
@@ -46,6 +47,16 @@ class InputLatch:
         self.actions[agent] = actions
         replaced = self.says.pop(agent, None) if actions.say is not None else None
         return None if replaced is None else _second_say(replaced.seq)
+
+    def act_first(self, actions: Mapping[str, Actions]) -> bool:
+        """Keep actions without a say, one of each agent, if all of them are the first for this step; else return False.
+
+        Then nothing is kept.
+        """
+        if not self.actions.keys().isdisjoint(actions):
+            return False
+        self.actions.update(actions)
+        return True
 
     def set_pose(self, agent: str, pose: Pose) -> None:
         """Keep the pose of a real chair, unless a newer one for this tick came before."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, TypeVar
 
 import msgspec
 
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import Depart, Join, Note
-from intellwheels_schemas.messages import ErrorCode, Joined, Position, Refused, RefusedCode, Robot
+from intellwheels_schemas.messages import ErrorCode, Joined, Position, Record, Refused, RefusedCode, Robot
 from intellwheels_schemas.metal_codes import new_key
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
@@ -46,20 +46,37 @@ REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
 # ------------------------------------------------------------ joins
 
 
-def handle_join(service: ServiceState, query: Query, now: float) -> None:
-    """Take a request to join; it is answered when changes may act."""
+_M = TypeVar("_M", bound=Record)
+
+
+def read_join(query: Query, cls: type[_M], key: str) -> tuple[_M, Encoding] | None:
+    """Return what a request to join says, and its encoding; None if it cannot be read. Then it has its answer.
+
+    Args:
+        query: The request.
+        cls: The class of what it says.
+        key: The pattern of its key, for the text of a refusal.
+    """
     if not query.name:
         if not query.has_wildcards:
-            query.refuse(Refused(code="name", text=f"join/<agent>: {NAME_EXPECTED}"))
+            query.refuse(Refused(code="name", text=f"{key}: {NAME_EXPECTED}"))
         else:
             query.close()
-        return
+        return None
     try:
         encoding = encoding_of(query.encoding, query.data)
-        robot = decode(Robot, query.data, encoding)
+        return decode(cls, query.data, encoding), encoding
     except WireError as error:
         query.refuse(Refused(code=REFUSED.get(error.code, "value"), text=error.text[:1000]))
+        return None
+
+
+def handle_join(service: ServiceState, query: Query, now: float) -> None:
+    """Take a request to join; it is answered when changes may act."""
+    found = read_join(query, Robot, "join/<agent>")
+    if found is None:
         return
+    robot, encoding = found
     if not has_token(service.agents.roster, query.name, robot):
         if len(service.agents.waiting_joins) < MAX_WAITING:
             service.agents.waiting_joins.append(WaitingJoin(query, robot, encoding, now + TOKEN_WAIT))

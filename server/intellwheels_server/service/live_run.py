@@ -170,7 +170,7 @@ class LiveRun:
     # ------------------------------------------------------------ moving
 
     def _may_start(self) -> bool:
-        return self._service.pacing.waiting_to_start and not self._service.missing_agents()
+        return self._service.pacing.waiting_to_start and self._service.is_complete()
 
     def _start(self, now: float) -> None:
         service, pacing, state = self._service, self._service.pacing, self._service.run.state

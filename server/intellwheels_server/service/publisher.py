@@ -37,7 +37,7 @@ class Outlet(Protocol):
         """Put `crew/<crew>/error`, also for a crew that has not joined."""
 
     def undeclare_crew(self, crew: str) -> None:
-        """Undeclare the publisher of a crew, if there is one."""
+        """Undeclare the publishers of a crew, if there are any."""
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""

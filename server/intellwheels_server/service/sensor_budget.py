@@ -49,7 +49,10 @@ def check_sensor_budget(service: ServiceState, agent: str, robot: Robot, waiting
             f"Robot: expected sensors of at most {options.agent_rays:,} rays a second, got {own:,.0f}; "
             "use fewer Rays or a larger Every, or start the simulator with another --agent-rays",
         )
-    present = sum(model.rays for name, model in state.body_set.models.items() if name != agent)
+    models = state.body_set.models
+    present = state.body_set.rays
+    if agent in models:
+        present = sum(model.rays for name, model in models.items() if name != agent)
     others = (present + waiting) / state.setup.period
     if own > 0.0 and own + others > options.world_rays:
         raise RequestRefusedError(
@@ -61,12 +64,10 @@ def check_sensor_budget(service: ServiceState, agent: str, robot: Robot, waiting
 
 
 def total_rays(state: State) -> int:
-    """Return the rays per tick of all bodies."""
-    return round(sum(model.rays for model in state.body_set.models.values()))
+    """Return the rays per tick of all bodies, rounded."""
+    return round(state.body_set.rays)
 
 
 def costliest(state: State) -> str | None:
     """Return the agent whose sensors cast the most rays, or None if none cast any."""
-    models = state.body_set.models
-    most = max(models, key=lambda name: models[name].rays, default=None)
-    return most if most is not None and models[most].rays > 0.0 else None
+    return state.body_set.costliest

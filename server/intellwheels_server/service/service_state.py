@@ -132,6 +132,7 @@ class ServiceState:
         self.turning_check = TurningCheck(options.setup.floor)
         self.playback: PlaybackProgress | None = None
         self._queue: list[Callable[[float], None]] = []
+        self._missed: str | None = None  # an expected agent that was not there lately
 
     # ------------------------------------------------------------ queries
 
@@ -151,6 +152,14 @@ class ServiceState:
     def missing_agents(self) -> list[str]:
         """Return the expected agents that have not joined."""
         return [name for name in self.options.expect if self.agents.roster.mind(name) is None]
+
+    def is_complete(self) -> bool:
+        """Return whether all expected agents have joined. Most calls look for one of them only."""
+        mind = self.agents.roster.mind
+        if self._missed is not None and mind(self._missed) is None:
+            return False
+        self._missed = next((name for name in self.options.expect if mind(name) is None), None)
+        return self._missed is None
 
     def result(self, code: ResultCode, text: str | None = None) -> Result:
         """Return a reply to a control message or a leave, with the current run, tick and hash."""

@@ -64,6 +64,7 @@ class ZenohOutlet:
         self._bodies: dict[str, zenoh.Publisher] = {}
         self._poses: dict[str, zenoh.Publisher] = {}
         self._crews: dict[str, tuple[zenoh.Publisher, Encoding]] = {}
+        self._crew_errors: dict[str, tuple[zenoh.Publisher, Encoding]] = {}  # of crews that have joined
         self._state_readers = link.declare(session, keys.every_state, CHANNELS["state"])
         self._event = link.declare(session, keys.event, CHANNELS["event"])
         self._clock = link.declare(session, keys.clock, CHANNELS["clock"])
@@ -118,15 +119,26 @@ class ZenohOutlet:
 
     def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
         """Put `crew/<crew>/error`, also for a crew that has not joined."""
-        once = link.declare(self._session, self._keys.crew_error(crew), CHANNELS["crew_error"], encoding)
-        once.put(encode(error, encoding))
-        _undeclare(once)
+        publisher, declared = self._crew_errors.get(crew, (None, None))
+        if publisher is not None and declared is encoding:
+            publisher.put(encode(error, encoding))
+            return
+        new = link.declare(self._session, self._keys.crew_error(crew), CHANNELS["crew_error"], encoding)
+        new.put(encode(error, encoding))
+        if crew not in self._crews:
+            _undeclare(new)
+            return
+        if publisher is not None:
+            _undeclare(publisher)
+        self._crew_errors[crew] = new, encoding
 
     def undeclare_crew(self, crew: str) -> None:
-        """Undeclare the publisher of a crew, if there is one."""
+        """Undeclare the publishers of a crew, if there are any."""
         if crew in self._crews:
             self.read_keys.discard(self._keys.crew_actions(crew))
-            _undeclare(self._crews.pop(crew)[0])
+        for publishers in (self._crews, self._crew_errors):
+            if crew in publishers:
+                _undeclare(publishers.pop(crew)[0])
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from intellwheels_schemas.file_records import Inputs, Verdict
 from intellwheels_schemas.messages import Actions, EventCode, Pose, Sensors, UserInput
@@ -36,6 +38,12 @@ _EVENT_OF_VERDICT: dict[str, EventCode] = {
     "fresh": "fresh",
 }
 
+_MANY = 32
+"""Actions of so many bodies at once are entered together. It does not matter for the result."""
+_MOTORS = attrgetter("left_motor"), attrgetter("right_motor")
+_WORDS = attrgetter("mode", "goal", "say")
+_NO_WORDS = (None, None, None)
+
 
 def enter_actions(
     state: State, actions: Mapping[str, Actions], numbers: Floats, flags: Ints
@@ -48,6 +56,8 @@ def enter_actions(
     statuses = state.statuses
     said: list[Utterance] = []
     left, right, age = numbers[rows.LEFT_COMMAND], numbers[rows.RIGHT_COMMAND], flags[rows.COMMAND_AGE]
+    if len(actions) >= _MANY:
+        actions = _enter_motors(actions, index, (left, right, age))
     for name, action in actions.items():
         i = index.get(name)
         if i is None:
@@ -63,6 +73,29 @@ def enter_actions(
         if action.mode is not None or action.goal is not None or action.say is not None:
             statuses = _with_status(state, statuses, name, action)
     return statuses, said
+
+
+def _enter_motors(
+    actions: Mapping[str, Actions], index: Mapping[str, int], arrays: tuple[Floats, Floats, Ints]
+) -> Mapping[str, Actions]:
+    """Write commands of many bodies to the arrays; return the actions with more than two motors, or all of them.
+
+    Nothing is written if an agent is not here or leaves out a motor.
+
+    Args:
+        actions: The actions.
+        index: The columns of the bodies.
+        arrays: The left commands, the right ones, and their ages.
+    """
+    found = [*map(index.get, actions)]
+    powers = [[*map(motor, actions.values())] for motor in _MOTORS]
+    if None in found or None in powers[0] or None in powers[1]:
+        return actions
+    columns = np.array(found, np.int64)
+    left, right, age = arrays
+    left[columns], right[columns] = powers
+    age[columns] = 0
+    return {name: action for name, action in actions.items() if _WORDS(action) != _NO_WORDS}
 
 
 def _with_status(state: State, statuses: dict[str, BodyStatus], name: str, action: Actions) -> dict[str, BodyStatus]:

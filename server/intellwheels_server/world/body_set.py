@@ -75,6 +75,8 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
         limits: int64[2, n]: steps until a command times out; 1 for externally posed bodies, else 0.
         doors: int64[n], 1 for doors, which stop speech where walls do.
         plan: The sensors, compiled.
+        rays: Rays per tick of all bodies.
+        costliest: The body whose sensors cast the most rays, or None if none cast any.
     """
 
     names: tuple[str, ...]
@@ -88,6 +90,8 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
     limits: Ints
     doors: Ints
     plan: SensorPlan
+    rays: float
+    costliest: str | None
 
 
 def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
@@ -167,6 +171,7 @@ def assemble(
         None if old is None else (old.body_set.plan, old.samples),
         arrived,
     )
+    costliest = max(ordered, key=lambda model: model.rays, default=None)
     body_set = BodySet(
         names=names,
         index={name: i for i, name in enumerate(names)},
@@ -185,6 +190,8 @@ def assemble(
         ).reshape(2, len(names)),
         doors=np.array([model.robot.kind == "door" for model in ordered], dtype=np.int64),
         plan=plan,
+        rays=sum(model.rays for model in ordered),
+        costliest=costliest.name if costliest is not None and costliest.rays > 0.0 else None,
     )
     return body_set, samples
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -41,15 +42,9 @@ class OccupiedSpace:
         self._anchored: set[str] = set()
         self._arrays: _Arrays | None = None
         self._starts: dict[str, tuple[tuple[str, Position], ...]] = {}
-        # Positions at which a shape overlaps something, by the bytes of its parts, until a body moves or goes.
-        self._blocked: dict[bytes, set[Position]] = {}
-
-    def starts_for(self, kind: str) -> tuple[tuple[str, Position], ...]:
-        """Return the names and poses of the places where a body of a kind may start without asking for one."""
-        if kind not in self._starts:
-            spots = places_for(self._floor, kind)
-            self._starts[kind] = tuple((spot.name, position_of(spot)) for spot in spots)
-        return self._starts[kind]
+        # The starts of a kind at which a shape may fit, by the bytes of its parts. Those at which it overlaps something
+        # are left out until a body moves or goes.
+        self._open: dict[tuple[str, bytes], dict[int, tuple[str, Position]]] = {}
 
     def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
         """Add a body at a pose, or move it there."""
@@ -61,14 +56,14 @@ class OccupiedSpace:
             self._anchored.add(name)
         self._arrays = None if known or self._arrays is None else self._extended(self._arrays, name)
         if known:
-            self._blocked.clear()
+            self._open.clear()
 
     def remove(self, name: str) -> None:
         """Remove a body."""
         del self._parts[name], self._radii[name], self._poses[name]
         self._anchored.discard(name)
         self._arrays = None
-        self._blocked.clear()
+        self._open.clear()
 
     def outside(self, position: Position) -> str | None:
         """Return what is wrong with a position outside a map with outer walls, or None."""
@@ -85,24 +80,36 @@ class OccupiedSpace:
             part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
         )[1]
 
-    def first_free(self, model: BodyModel, positions: Iterable[Position]) -> Position | None:
-        """Return the first position at which a body would overlap nothing, or None."""
-        walls = self._walls
+    def first_free(self, model: BodyModel, suits: Callable[[str, Position], bool]) -> Position | None:
+        """Return the first start of its kind that suits and at which a new body would overlap nothing, or None.
+
+        Args:
+            model: The body.
+            suits: Tells whether a start does, by its name and pose.
+        """
+        walls, kind = self._walls, model.robot.kind
         parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
-        names, poses, radii, others, starts = self._blocks()
-        skip = names.index(model.name) if model.name in self._parts else -1
-        blocked = self._blocked.setdefault(parts.tobytes(), set()) if skip < 0 else set()
-        for position in positions:
-            if position in blocked:
+        _, poses, radii, others, starts = self._blocks()
+        if kind not in self._starts:
+            self._starts[kind] = tuple((spot.name, position_of(spot)) for spot in places_for(self._floor, kind))
+        key = kind, parts.tobytes()
+        if key not in self._open:
+            self._open[key] = dict(enumerate(self._starts[kind]))
+        found, blocked = None, []
+        for number, (name, position) in self._open[key].items():
+            if not suits(name, position):
                 continue
             pose = (position.x, position.y, position.heading)
             if (
                 not overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH)
-                and deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH
+                and deepest_body(parts, radius, *pose, poses, radii, others, starts, -1)[0] <= TOUCH
             ):
-                return position
-            blocked.add(position)
-        return None
+                found = position
+                break
+            blocked.append(number)
+        for number in blocked:
+            del self._open[key][number]
+        return found
 
     def may_be_swept(self, model: BodyModel, position: Position) -> bool:
         """Return whether an anchored body, such as the leaf of a door, might hit a body at a position when it turns.
@@ -199,10 +206,12 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
             text = f"agent '{model.name}' would be in the way at place '{near}', which is kept for another agent"
             raise RequestRefusedError("overlaps", text)
         return wanted
-    positions = [position for name, position in space.starts_for(robot.kind) if name not in kept]
+
+    def suits(name: str, there: Position, *, swept: bool) -> bool:
+        return name not in kept and space.may_be_swept(model, there) is swept and _kept_near(model, there, kept) is None
+
     for swept in (False, True):
-        those = (one for one in positions if space.may_be_swept(model, one) is swept)
-        free = space.first_free(model, (one for one in those if _kept_near(model, one, kept) is None))
+        free = space.first_free(model, partial(suits, swept=swept))
         if free is not None:
             return free
     but = f" besides those kept for other agents ({', '.join(kept)})" if kept else ""

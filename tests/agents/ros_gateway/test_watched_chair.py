@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from msgspec.structs import replace
 
 from intellwheels_agents.ros_gateway.watched_chair import WatchedChair
-from intellwheels_schemas.codec import encode
+from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.crew_messages import crew_messages, for_crew
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Entity
-from intellwheels_schemas.zenoh_inbox import Put
+from intellwheels_schemas.zenoh_inbox import Inbox, Put
 from tests.agents.ros_gateway.made_up import CHAIR, RUN, measured, readings
 
 KEYS = Keys("w")
@@ -32,6 +34,17 @@ class World:
         return 0.0, self._entities
 
 
+class Session:
+    """Keeps which keys are subscribed to."""
+
+    def __init__(self) -> None:
+        self.keys: list[str] = []
+
+    def declare_subscriber(self, key: str, _callback: object) -> Any:
+        self.keys.append(key)
+        return SimpleNamespace(undeclare=lambda: self.keys.remove(key))
+
+
 class Node:
     """Keeps what is published."""
 
@@ -45,10 +58,10 @@ class Node:
         self.sent.append((topic, message))
 
 
-def watched(world: World, node: Node, log: list[str]) -> WatchedChair:
+def watched(world: World, node: Node, log: list[str], session: Any = None) -> WatchedChair:
     nothing: Any = None
     return WatchedChair(
-        nothing, KEYS, world, "c-1", node, nothing, localisation="start",  # type: ignore[arg-type]
+        session, KEYS, world, "c-1", node, nothing, localisation="start",  # type: ignore[arg-type]
         tell_clock=lambda run, seconds, _now: log.append(f"{run[:2]} {seconds}"), log=log.append,
     )  # fmt: skip
 
@@ -105,3 +118,22 @@ def test_measures_that_no_simulator_sends_are_passed_over() -> None:
         chair._try_at = 0.0
         chair._take(Put(KEYS.measures("c-1"), data, "application/json"), lambda _: None)
         assert "/c_1/odom" in [topic for topic, _ in node.sent]
+
+
+def test_chair_of_a_crew_is_watched_through_its_crew() -> None:
+    node, session, inbox = Node(), Session(), Inbox()
+    chair = watched(World(Entity(name="c-1", x=3.0, y=2.0, heading=0.0)), node, [], session)
+    chair._ask_crew(inbox)
+    assert session.keys == []
+    for crew in ("k", "k", "l", None, "k"):
+        body = Body(run=RUN, tick=0, robot=replace(CHAIR, crew=crew))
+        chair._take_body(Put(KEYS.body("c-1"), encode(body), "application/json"), inbox)
+        assert session.keys == ([] if crew is None else [KEYS.crew_measures(crew)])
+    own = encode(measured(2, readings(0.0)))
+    items = [for_crew(own, agent, Encoding.JSON) for agent in ("other", "c-1")]
+    for each, sent in ((items[:1], False), (items, True)):
+        (data,) = crew_messages("Measures", "k", each, Encoding.JSON)
+        chair._take(Put(KEYS.crew_measures("k"), data, "application/json"), lambda _: None)
+        assert ("/c_1/odom" in [topic for topic, _ in node.sent]) == sent
+    chair.close()
+    assert session.keys == []

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import pytest
 
 from intellwheels_experiments.conformance.probe import (
+    CrewRequest,
     JoinRequest,
     LeaveRequest,
     ProgramEvent,
@@ -20,8 +21,8 @@ from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_maps import floor
 from intellwheels_schemas.codec import Encoding, decode
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.link import Link, declare_token, open_session, query, tokens
-from intellwheels_schemas.messages import Map, Result
+from intellwheels_schemas.link import Answer, Link, declare_token, open_session, query, tokens
+from intellwheels_schemas.messages import Map, Refused, Result
 from tests.e2e.stage import free_port
 
 pytestmark = pytest.mark.process
@@ -120,3 +121,22 @@ def test_check_that_is_told_to_stop_stops() -> None:
         stop.set()
         with pytest.raises(ConnectionError, match="stopped before the check was complete"):
             probe.next_event(20.0)
+
+
+def test_crew_is_told_that_it_is_not_checked() -> None:
+    with probing("") as (probe, client):
+        probe.start_simulator()
+        session = open_session(client, threading.Event())
+        assert session is not None
+        answers: list[Answer] = []
+        with session:
+            key = KEYS.crew_join("people")
+            asking = threading.Thread(target=lambda: answers.extend(query(session, key, b"{}", timeout=10.0)))
+            asking.start()
+            assert event(probe) == CrewRequest("people")
+            asking.join(10.0)
+    (answer,) = answers
+    assert not answer.ok
+    assert decode(Refused, answer.data).text == (
+        "iw-check-agent checks one agent by itself, and no crews; crew 'people' asked to join"
+    )

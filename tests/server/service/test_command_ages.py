@@ -150,3 +150,11 @@ def test_limit_is_whole_ticks_for_any_period() -> None:
         ages = CommandAges(period)
         assert ages.check_late("a", Actions(run=RUN, tick=100 - limit), RUN, 100) is None
         assert ages.check_late("a", Actions(run=RUN, tick=99 - limit), RUN, 100) is not None
+
+
+def test_punctual_commands_count_together_as_each_by_itself() -> None:
+    late, punctual = Actions(tick=8, seq=1), Actions(tick=10, seq=2)
+    ages = ages_with(late)
+    ages.take_punctual({"a": punctual, "b": punctual})
+    assert ages.means() == ages_with(late, punctual).means() == {"a": 0.05}
+    assert ages.check_late("b", Actions(run=RUN, tick=9, left_motor=0.1), RUN, 11) is not None

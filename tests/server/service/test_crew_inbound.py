@@ -199,3 +199,31 @@ def test_crew_of_another_name_in_the_message_is_refused() -> None:
     stage.put("c", CrewActions(crew="d", actions=(AgentActions(agent="d1", session=stage.sessions["d1"]),)), "crew")
     assert powers(stage) == {}
     assert complaints(stage) == [("value", None)]
+
+
+def test_repeated_actions_of_a_crew_are_merged_as_those_of_other_agents() -> None:
+    stage = crew_at_work()
+    stage.crew_act("c", *NAMES)
+    stage.crew_act("c", "c1", left_motor=-0.25)
+    assert powers(stage) == {"c1": -0.25, "c2": 0.5, "c3": 0.5}
+    assert complaints(stage) == []
+
+
+def test_lockstep_goes_on_if_a_crew_answers_with_a_message_for_each_agent() -> None:
+    stage = crew_at_work("lockstep", strict=False)
+    tick = stage.tick
+    stage.crew_act("d", "d1")
+    for _ in range(63):
+        stage.crew_act("c", "c1")
+    for name in NAMES:  # as a crew of 66 agents would
+        stage.crew_act("c", name)
+    assert stage.tick == tick
+    (error, *_) = [error for error in stage.of("crew-error", "c") if error.code == "too-many"]
+    assert error.text.endswith("; one message can have the actions of all agents of a crew")
+    stage.sent.clear()
+    stage.work(0.05)
+    again = [one.agent for part in stage.of("crew-measures", "c") for one in part.measures]
+    assert again == ["c2", "c3"]
+    for name in again:
+        stage.crew_act("c", name)
+    assert stage.tick == tick + 1

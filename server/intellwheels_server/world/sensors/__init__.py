@@ -84,9 +84,25 @@ FittedFields = tuple[tuple[str, tuple[_Place, ...]], ...]
 """The sensors of a body, by the field that lists them."""
 
 
+class _Scheduled(NamedTuple):
+    """A sensor with the row of its schedule, in which its first sample is counted from that of its body.
+
+    Attributes:
+        kind: Its kind.
+        place: Its samples.
+        row: The row.
+        memory: Numbers that it remembers, behind its samples.
+    """
+
+    kind: Kind
+    place: _Place
+    row: tuple[int, ...]
+    memory: int
+
+
 @dataclass(frozen=True, slots=True)
 class _Fitting:
-    """The sensors of one body, by the field that lists them. Its samples are contiguous."""
+    """The sensors of one body, by the field that lists them, and in order. Its samples are contiguous."""
 
     robot: Robot
     start: Position
@@ -94,6 +110,7 @@ class _Fitting:
     begin: int
     end: int
     fields: FittedFields
+    sensors: tuple[_Scheduled, ...]
 
 
 @dataclass(frozen=True)
@@ -105,12 +122,16 @@ class SensorPlan:
         fittings: The sensors and places of samples of each body, in the order of the state's arrays.
         memory: int64[...], the places in the samples that are memory of sensors, ascending.
         spans: int64[sensors, 2], the first place and the end of the samples of each sensor, without its memory.
+        seed: The seed of its noise.
+        floor: The map.
     """
 
     blocks: tuple[Block, ...]
     fittings: tuple[_Fitting, ...]
     memory: Ints
     spans: Ints
+    seed: str
+    floor: Map
 
 
 def plan_sensors(
@@ -139,6 +160,8 @@ def plan_sensors(
         The plan, and its samples, float64[...].
     """
     stayed = {} if before is None else {fitting.robot.name: fitting for fitting in before[0].fittings}
+    # Only then are the sensors of a body that stays the same as before.
+    same = before is not None and before[0].seed == seed and before[0].floor is floor
     fittings: list[_Fitting] = []
     kept: list[tuple[_Fitting, _Fitting]] = []
     fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
@@ -147,28 +170,26 @@ def plan_sensors(
     spans: list[tuple[int, int]] = []
     for body, (robot, start) in enumerate(bodies):
         old = None if robot.name in arrived else stayed.get(robot.name)
-        stays = old is not None and old.robot == robot and old.start == start
+        stays = old is not None and (old.robot is robot or old.robot == robot) and old.start == start
         joined = old.joined if old is not None and stays else tick
         begin = size
+        if old is not None and stays and same:
+            sensors = _moved(old.sensors, body)
+        else:
+            sensors = _fit(body, robot, start, joined, seed, floor)
         fields: dict[str, list[_Place]] = {}
-        for _, _, declaration in sensors_of(robot):
-            if declaration.source == "real":
-                continue
-            kind = KINDS[type(declaration)]
-            sensor = Fitted(body, robot, start, declaration, floor)
-            every, latency, phase = declaration.every, declaration.latency, kind.phase(declaration)
-            depth, width = sample_schedule.depth(every, latency), kind.width(declaration)
-            place = _Place(kind.reading, sensor, size - begin, width, depth, every, latency, phase)
+        for one in sensors:
+            kind, place = one.kind, one.place
+            row = list(one.row)
+            row[sample_schedule.FIRST_SAMPLE] = size
+            fitted.setdefault(kind, []).append((place.sensor, row))
+            spans.append((size, size + place.depth * place.width))
+            size += place.depth * place.width
+            remembered.extend(range(size, size + one.memory))
+            size += one.memory
             fields.setdefault(kind.field, []).append(place)
-            key = noise_key(seed, str(robot.name), kind.stream(sensor))
-            row = _row(body, declaration, joined + phase, size, depth, key)
-            fitted.setdefault(kind, []).append((sensor, row))
-            spans.append((size, size + depth * width))
-            size += depth * width
-            remembered.extend(range(size, size + kind.memory(declaration)))
-            size += kind.memory(declaration)
         listed = tuple((field, tuple(places)) for field, places in fields.items())
-        fittings.append(_Fitting(robot, start, joined, begin, size, listed))
+        fittings.append(_Fitting(robot, start, joined, begin, size, listed, sensors))
         if old is not None and stays:
             kept.append((old, fittings[-1]))
     samples = np.zeros(size)
@@ -176,13 +197,52 @@ def plan_sensors(
         for old, new in kept:
             samples[new.begin : new.end] = before[1][old.begin : old.end]
     blocks = tuple(_compiled(kind, sensors) for kind, sensors in fitted.items())
-    memory = np.array(remembered, dtype=np.int64)
-    return SensorPlan(blocks, tuple(fittings), memory, np.array(spans, dtype=np.int64).reshape(-1, 2)), samples
+    plan = SensorPlan(
+        blocks=blocks,
+        fittings=tuple(fittings),
+        memory=np.array(remembered, dtype=np.int64),
+        spans=np.array(spans, dtype=np.int64).reshape(-1, 2),
+        seed=seed,
+        floor=floor,
+    )
+    return plan, samples
+
+
+def _fit(body: int, robot: Robot, start: Position, joined: int, seed: str, floor: Map) -> tuple[_Scheduled, ...]:
+    """Return the simulated sensors of a body."""
+    found: list[_Scheduled] = []
+    first = 0
+    for _, _, declaration in sensors_of(robot):
+        if declaration.source == "real":
+            continue
+        kind = KINDS[type(declaration)]
+        sensor = Fitted(body, robot, start, declaration, floor)
+        every, latency, phase = declaration.every, declaration.latency, kind.phase(declaration)
+        depth, width = sample_schedule.depth(every, latency), kind.width(declaration)
+        place = _Place(kind.reading, sensor, first, width, depth, every, latency, phase)
+        key = noise_key(seed, str(robot.name), kind.stream(sensor))
+        memory = kind.memory(declaration)
+        found.append(_Scheduled(kind, place, _row(body, declaration, joined + phase, first, depth, key), memory))
+        first += depth * width + memory
+    return tuple(found)
+
+
+def _moved(sensors: tuple[_Scheduled, ...], body: int) -> tuple[_Scheduled, ...]:
+    """Return the sensors of a body that stays, at its index now. All else about them is as it was."""
+    if not sensors or sensors[0].place.sensor.body == body:
+        return sensors
+    moved = []
+    for one in sensors:
+        row = list(one.row)
+        row[sample_schedule.BODY] = body
+        place = one.place._replace(sensor=one.place.sensor._replace(body=body))
+        moved.append(one._replace(place=place, row=tuple(row)))
+    return tuple(moved)
 
 
 def _row(
     body: int, declaration: Any, joined: int, first: int, depth: int, key: tuple[np.uint64, np.uint64]
-) -> list[int]:
+) -> tuple[int, ...]:
     row = [0] * sample_schedule.SCHEDULE_COLUMNS
     row[sample_schedule.BODY] = body
     row[sample_schedule.EVERY] = declaration.every
@@ -191,7 +251,7 @@ def _row(
     row[sample_schedule.FIRST_SAMPLE] = first
     row[sample_schedule.DEPTH] = depth
     row[sample_schedule.KEY0], row[sample_schedule.KEY1] = (int(half.view(np.int64)) for half in key)
-    return row
+    return tuple(row)
 
 
 def _compiled(kind: Kind, sensors: list[tuple[Fitted, list[int]]]) -> Block:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import groupby
 from typing import Final, NamedTuple, get_args
 
@@ -312,12 +312,8 @@ def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
     for (body, mount), group in groupby(fitted, key=lambda sensor: (sensor.body, sensor.declaration.mount)):
         sensors = list(group)
         begin = len(beams)
-        beams.extend(_beam(sensor.declaration) for sensor in sensors)
-        reach = max(
-            math.sqrt(sensor.declaration.x * sensor.declaration.x + sensor.declaration.y * sensor.declaration.y)
-            + sensor.declaration.max_range
-            for sensor in sensors
-        )
+        own, reach = _beams(tuple([sensor.declaration for sensor in sensors]))
+        beams.extend(own)
         start = sensors[0].start
         mounts.append((start.x, start.y, start.heading, reach))
         groups.append((body, mount == "start", begin, len(beams)))
@@ -326,6 +322,13 @@ def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
         groups=np.array(groups, dtype=np.int64).reshape(-1, GROUP_COLUMNS),
         beams=np.array(beams, dtype=np.float64).reshape(-1, BEAM_COLUMNS),
     )
+
+
+@lru_cache(maxsize=256)  # most bodies have the sensors of another one, and every join compiles all of them again
+def _beams(declarations: tuple[Proximity, ...]) -> tuple[tuple[tuple[float, ...], ...], float]:
+    """Return the beams of the sensors of a mount, and how far from it they reach, m."""
+    reach = max(math.sqrt(one.x * one.x + one.y * one.y) + one.max_range for one in declarations)
+    return tuple(_beam(one) for one in declarations), reach
 
 
 def _beam(declaration: Proximity) -> tuple[float, ...]:
