@@ -10,7 +10,8 @@ off is the angle from the direction to the middle of the doorway. It does not wa
 Whoever is nearer to the doorway goes first. If two are equally near, the one on the right does: seen from a doorway,
 this rule has no circles. If all stand, each loses patience at a rate of its own, drawn at random, and counts that as
 nearness. So two who both give way do not wait for ever, and nobody waits for what never moves. Two shoulders in a
-doorway would block each other: who has stood near it for some seconds, while nobody moved, steps back for a moment.
+doorway would block each other: who does not get on near it for some seconds, while none of those who go first moves,
+steps back for a moment.
 
 Sources: M. Moussaid, D. Helbing, G. Theraulaz, How simple rules determine pedestrian behavior and crowd disasters,
 PNAS 108, 2011 (heading). A. Tordeux, M. Chraibi, A. Seyfried, Collision-free speed model for pedestrian dynamics,
@@ -26,7 +27,7 @@ from typing import NamedTuple
 
 from intellwheels_agents.differential_drive import Odometry, wrapped
 from intellwheels_agents.doorways import Doorway, near_wall
-from intellwheels_agents.portable_math import atan2, cos, hypot, sincos
+from intellwheels_agents.portable_math import atan2, cos, dist, hypot, sincos
 from intellwheels_agents.range_ring import RANGE, WIDTH, RangeRing
 from intellwheels_agents.range_scan import Outline
 
@@ -68,8 +69,10 @@ SLOWEST_LOSS, FASTEST_LOSS = 0.1, 1.0
 """Range of the rate at which patience is lost, m/s."""
 BACK_ZONE = 1.2
 """It makes room only within this distance from a doorway, m."""
+PROGRESS = 0.3
+"""Whoever moves less does not get on, m: one who is jammed moves to and fro."""
 STANDS_BEFORE_BACK = 2.0, 4.0
-"""Range of the time that it stands, while nobody moves, before it steps back, s."""
+"""Range of the time without progress, while none of those who go first moves, before it steps back, s."""
 STEPS_BACK = 0.4, 1.0
 """Range of the time for which it steps back, s."""
 PATIENCE_BACK = 0.5
@@ -120,6 +123,7 @@ class DoorwayQueue:
         self._impatience = 0.0
         self._loss = 0.0
         self._stood = 0.0
+        self._stands_at = (math.inf, 0.0)
         self._room_after = self._random.uniform(*STANDS_BEFORE_BACK)
         self._back = 0.0
 
@@ -152,7 +156,7 @@ class DoorwayQueue:
         )
         gap = max(gap, 0.0)
         self._wait(gap, speed, period, moving=moving)
-        self._make_room(hypot(x, y), speed, period, moving=moving)
+        self._make_room((x, y), period, moving=moving)
         others = [one for i, one in enumerate(seen) if i not in first]
         off = wrapped(self._heading(others, direct, wanted, hypot(aim_x - x, aim_y - y)) - heading)
         ahead = ring.gap()
@@ -225,13 +229,12 @@ class DoorwayQueue:
             self._impatience = max(self._impatience - PATIENCE_BACK * period, 0.0)
             self._loss = 0.0
 
-    def _make_room(self, away: float, speed: float, period: float, *, moving: bool) -> None:
+    def _make_room(self, own: tuple[float, float], period: float, *, moving: bool) -> None:
         """Decide whether to step back: two who stand shoulder to shoulder before a doorway block each other."""
         self._back = max(self._back - period, 0.0)
-        if speed < STANDS and not moving and away < BACK_ZONE:
-            self._stood += period
-        elif moving or speed > 2.0 * STANDS:
-            self._stood = 0.0
+        self._stood += period
+        if moving or hypot(*own) > BACK_ZONE or dist(own, self._stands_at) > PROGRESS:
+            self._stood, self._stands_at = 0.0, own
         if self._stood > self._room_after:
             self._stood, self._room_after = 0.0, self._random.uniform(*STANDS_BEFORE_BACK)
             self._back = self._random.uniform(*STEPS_BACK)
