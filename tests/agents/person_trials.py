@@ -1,6 +1,7 @@
 """Trials of people against published figures, in this process, with a row of a CSV for each run:
 
-    python -m tests.agents.person_trials --csv tests/agents/person_trials.csv          (the full size)
+    python -m tests.agents.person_trials door --seeds 40 --csv tests/agents/person_trials.csv     (the kept result)
+    python -m tests.agents.person_trials                                                (the full size)
     python -m tests.agents.person_trials door --people 10 --width 0.9 --seeds 8
     python -m tests.agents.person_trials corridor --corridor-seeds 3
 

@@ -13,6 +13,10 @@ Forces alone do not slow a crowd down as real people do. So the speed is also li
 2 people a square metre. If somebody would run into the pedestrian within 0.6 s, it gets out of the way. If it has not
 moved for 1 s, it walks where the way is free.
 
+The map tells it where doorways are. On its way to a doorway, and in it, whoever is nearer goes first and the others
+keep a gap (`agents/intellwheels_agents/doorway_queue.py`). If a wall is in the straight way to its goal, it walks
+through a doorway that it sees.
+
 It perceives with a ring of proximity cones, encoders, a compass, and messages.
 
 Sources: those of the forces are in `agents/intellwheels_agents/social_force.py`. A. Tordeux, M. Chraibi, A. Seyfried,
@@ -25,6 +29,8 @@ from __future__ import annotations
 import math
 
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
+from intellwheels_agents.doorway_queue import PASSED, ZONE, DoorStep, DoorwayQueue, aim
+from intellwheels_agents.doorways import Doorway, doorways, way_through
 from intellwheels_agents.footprint import Footprint, MovingPoint
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
@@ -66,6 +72,12 @@ WAY_OUT = 0.6
 """Free distance that makes a way out, m."""
 SAY_PERIOD = 0.5
 """Time between two messages of a walker in a group, s."""
+LOOK_PERIOD = 0.5
+"""Time between two looks for a doorway on the way, s."""
+MAKE_ROOM = -0.4, 0.0
+"""Speed, m/s, and turn rate of a step back that makes room at a doorway."""
+SMALL_TURN = 0.3
+"""Turn rate below which a turn in place is no motion, rad/s."""
 COMPANION_TIMEOUT = 3.0
 """Time after which a silent companion is ignored, s."""
 
@@ -97,6 +109,10 @@ class Mind:
         self._heard: dict[str, tuple[float, Point]] = {}
         self._said_at = -math.inf
         self._stuck = 0.0
+        self._doors, self._walls = doorways(context.map) if self._goals else ((), ())
+        self._door: Doorway | None = None
+        self._looked: tuple[float, Point | None] = (-math.inf, None)
+        self._queue = DoorwayQueue(outline(robot), context.agent)
         fastest = FASTEST * self._speed
         self._dodges = (
             (fastest, 0.0), (-BACKWARD, 0.0), (fastest / 2.0, 2.0), (fastest / 2.0, -2.0),
@@ -111,9 +127,17 @@ class Mind:
         self._ring.update(measures.sensors, pose)
         speed = dist((old_x, old_y), (pose.x, pose.y)) / self._period
         goal = self._goal()
-        self._velocity = self._accelerated(self._wanted(goal), speed, self._group(measures))
-        self._count_stuck(speed, walks=goal is not None)
-        left, right = self._walk(*self._velocity)
+        self._look_for_door(goal, measures.time)
+        step = self._door_step(speed)
+        group = self._group(measures)
+        if step is None:
+            self._velocity = self._accelerated(self._wanted(self._target(goal)), speed, group)
+        else:
+            s, c = sincos(pose.heading)
+            self._velocity = speed * c, speed * s
+        self._count_stuck(speed, walks=goal is not None, waits=step is not None and step.yields)
+        forward, turn_rate = self._towards(*self._velocity) if step is None else self._through(step)
+        left, right = self._walk(forward, turn_rate, back=step is not None and step.back)
         return Actions(
             left_motor=left,
             right_motor=right,
@@ -133,6 +157,34 @@ class Mind:
                 self._next = 0
                 return self._goals[0] if len(self._goals) > 1 else None
         return None
+
+    def _look_for_door(self, goal: Point | None, time: float) -> None:
+        """Look from time to time for a doorway on the way to the goal; keep one until it is passed."""
+        here = (self._pose.x, self._pose.y)
+        if self._looked[1] != goal or (self._door is not None and self._door.local(*here)[0] > PASSED):
+            self._door, self._looked = None, (-math.inf, goal)
+        if self._doors and goal is not None and time - self._looked[0] >= LOOK_PERIOD:
+            self._looked = time, goal
+            kept = self._door if self._at_door() else None
+            self._door = way_through(self._doors, self._walls, here, goal) or kept
+
+    def _at_door(self) -> bool:
+        """Return whether it is so near the doorway on its way that the order there holds."""
+        door = self._door
+        return door is not None and dist((self._pose.x, self._pose.y), (door.x, door.y)) < ZONE
+
+    def _door_step(self, speed: float) -> DoorStep | None:
+        """Return the step before or in a doorway, or None where there is none near."""
+        if self._door is None or not self._at_door():
+            return None
+        return self._queue.step(self._door, self._pose, self._ring, self._speed, speed, self._period)
+
+    def _target(self, goal: Point | None) -> Point | None:
+        """Return the point to walk to: the goal, or a point at the doorway that leads to it."""
+        door = self._door
+        if goal is None or door is None:
+            return goal
+        return door.on_map(*aim(door, *door.local(self._pose.x, self._pose.y)))
 
     def _wanted(self, goal: Point | None) -> Point:
         """Return the preferred velocity, m/s."""
@@ -171,31 +223,44 @@ class Mind:
         excess = max(hypot(x, y) / (FASTEST * max(self._speed, PREFERRED_SPEED)), 1.0)
         return x / excess, y / excess
 
-    def _count_stuck(self, speed: float, *, walks: bool) -> None:
+    def _count_stuck(self, speed: float, *, walks: bool, waits: bool) -> None:
         """Count how long it has made no progress; beyond `STUCK_TIME`, for how long it takes a way out."""
-        if self._stuck < STUCK_TIME and (speed >= STANDING or not walks):
+        if self._stuck < STUCK_TIME and speed < STANDING and waits:
+            self._stuck = min(self._stuck + self._period, 0.9 * STUCK_TIME)
+        elif self._stuck < STUCK_TIME and (speed >= STANDING or not walks):
             self._stuck = 0.0
         else:
             self._stuck = (self._stuck + self._period) % (2.0 * STUCK_TIME)
 
-    def _walk(self, x: float, y: float) -> tuple[float, float]:
-        """Return the powers that turn towards a velocity (m/s) and walk at it as far as the way is free."""
-        speed, heading = hypot(x, y), self._pose.heading
-        forward = turn_rate = 0.0
-        if speed >= STANDING:
-            off = wrapped(atan2(y, x) - heading)
-            if self._stuck >= STUCK_TIME:
-                off, speed = self._ring.way_out(off, WAY_OUT), max(speed, BACKWARD)
-            turn_rate = min(max(TURN_GAIN * off, -TURN_RATE), TURN_RATE)
-            gap = self._ring.gap()
-            forward = min(speed * max(cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME)
+    def _towards(self, x: float, y: float) -> tuple[float, float]:
+        """Return the speed (m/s) and turn rate (rad/s) that walk with a velocity (m/s) as far as the way is free."""
+        speed = hypot(x, y)
+        if speed < STANDING:
+            return 0.0, 0.0
+        off = wrapped(atan2(y, x) - self._pose.heading)
+        if self._stuck >= STUCK_TIME:
+            off, speed = self._ring.way_out(off, WAY_OUT), max(speed, BACKWARD)
+        gap = self._ring.gap()
+        return min(speed * max(cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME), turn_to(off)
+
+    def _through(self, step: DoorStep) -> tuple[float, float]:
+        """Return the speed (m/s) and turn rate (rad/s) of a step at a doorway."""
+        off = self._ring.way_out(step.off, WAY_OUT) if self._stuck >= STUCK_TIME else step.off
+        return min(self._speed * max(cos(off), 0.0), step.limit), turn_to(off)
+
+    def _walk(self, forward: float, turn_rate: float, *, back: bool) -> tuple[float, float]:
+        """Return the powers for a speed (m/s) and turn rate (rad/s), or for what is possible instead."""
+        heading = self._pose.heading
         near = self._ring.near(STEP_RANGE, heading)
         free = self._footprint.free_of_moving
         if free(near, 0.0, 0.0, DODGE_TIME, MARGIN, DODGE_TIME) < DODGE_TIME:
             return powers(self._robot, *self._dodge(near, forward, turn_rate))
         standing = [(x, y, 0.0, 0.0) for x, y, _, _ in near]
         # As wanted, or straight on, or a turn in place, or back to where it can turn.
-        for ahead, turn in ((forward, turn_rate), (forward, 0.0), (0.0, turn_rate), (-BACKWARD, 0.0)):
+        ways = ((forward, turn_rate), (forward, 0.0), (0.0, turn_rate), (-BACKWARD, 0.0))
+        for ahead, turn in (MAKE_ROOM, *ways) if back else ways:
+            if self._door is not None and ahead == 0.0 and abs(turn) < SMALL_TURN:
+                continue
             share = free(standing, ahead, turn, LOOK_AHEAD, MARGIN, 0.5 * LOOK_AHEAD) / LOOK_AHEAD
             if share > 0.5:
                 return powers(self._robot, ahead * share, turn * share)
@@ -211,3 +276,8 @@ class Mind:
             if longest >= DODGE_TIME:
                 break
         return best
+
+
+def turn_to(off: float) -> float:
+    """Return the turn rate (rad/s) towards a heading that is `off` rad from the present one."""
+    return min(max(TURN_GAIN * off, -TURN_RATE), TURN_RATE)

@@ -13,6 +13,7 @@ from intellwheels_maps import robot, scene
 from intellwheels_schemas.messages import Corner, Map, Position, Wall
 from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
+from tests.agents.person_trials import at_door, two_rooms
 
 SEEDS = [str(seed) for seed in range(1, 21)]
 FEW_OR_ALL = [*SEEDS[:2], *(pytest.param(seed, marks=pytest.mark.soak) for seed in SEEDS[2:])]
@@ -137,6 +138,43 @@ def apart(*, together: bool) -> float:
 def test_companions_stay_together_and_strangers_do_not() -> None:
     assert apart(together=True) < 3.0
     assert apart(together=False) > 6.0
+
+
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(3, marks=pytest.mark.soak)])
+def test_two_side_by_side_pass_a_narrow_door(seed: int) -> None:
+    row = at_door("side by side", 2, 0.8, seed)
+    assert (row.passed, row.contacts) == (2, 0)
+    assert row.seconds is not None
+    assert row.seconds < 4.0
+
+
+def test_ten_people_pass_a_door_nearly_as_fast_as_published() -> None:
+    row = at_door("door", 10, 0.9, 2)
+    assert (row.passed, row.contacts) == (10, 0)
+    assert row.flow is not None
+    assert 1.2 < row.flow < 1.9
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("people", [2, 4, 10])
+@pytest.mark.parametrize("width", [0.8, 0.9, 1.0])
+def test_nobody_is_stuck_at_a_door(people: int, width: float) -> None:
+    rows = [at_door("door", people, width, seed) for seed in range(1, 9)]
+    assert {row.passed for row in rows} == {people}
+    assert sum(row.contacts for row in rows) == 0
+
+
+def test_person_waits_for_a_chair_in_the_doorway() -> None:
+    arena = Arena(two_rooms(1.0))
+    power = f"{0.3 / robot('rear-wheel').top_speed:.4f}"
+    at = Position(x=-1.2, y=0.0, heading=0.0)
+    arena.join("chair", "drive", "rear-wheel", None, {"left": power, "right": power}, at)
+    walker(arena, "one", (-2.2, 1.2), (4.0, 2.0))
+    arena.run(20.0, lambda arena: arena.paths["one"][-1][0] > 0.5)
+    assert arena.paths["one"][-1][0] > 0.5
+    assert arena.contacts() == []
+    passed = {name: next(i for i, (x, _, _) in enumerate(path) if x > 0.0) for name, path in arena.paths.items()}
+    assert passed["chair"] < passed["one"]
 
 
 def test_walker_in_a_loop_returns_and_goes_on() -> None:

@@ -1,0 +1,163 @@
+"""The doorways of a map: narrow gaps between the corners of its walls, and the one that leads to a goal. Pure.
+
+A doorway is a free line of `NARROWEST` to `WIDEST` metres between two corners. Its frame has its origin in the middle
+of that line and the x axis across it, towards the side of the goal.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from intellwheels_agents.map_cells import Point, solids
+from intellwheels_agents.portable_math import dist
+from intellwheels_schemas.messages import Map
+
+NARROWEST, WIDEST = 0.6, 1.3
+"""Widths of doorways, m."""
+SAME = 0.6
+"""Two gaps nearer to each other than this are the two sides of one doorway, m."""
+NEAR = 3.5
+"""Walls up to this far from a doorway belong to it, m."""
+SIGHT = 8.0
+"""Farthest that a doorway is looked for, m."""
+
+Edge = tuple[float, float, float, float]
+"""x and y of both ends, m."""
+
+
+class Doorway(NamedTuple):
+    """A gap that one person at a time can pass.
+
+    Attributes:
+        x, y: Its middle, m.
+        ux, uy: The unit vector across it, towards the side of the goal.
+        width: From jamb to jamb, m.
+        walls: The edges of walls near it.
+    """
+
+    x: float
+    y: float
+    ux: float
+    uy: float
+    width: float
+    walls: tuple[Edge, ...]
+
+    def local(self, x: float, y: float) -> Point:
+        """Return a point of the map in the frame of the doorway, m."""
+        x, y = x - self.x, y - self.y
+        return x * self.ux + y * self.uy, y * self.ux - x * self.uy
+
+    def on_map(self, x: float, y: float) -> Point:
+        """Return a point in the frame of the doorway in that of the map, m."""
+        return self.x + x * self.ux - y * self.uy, self.y + x * self.uy + y * self.ux
+
+
+@lru_cache(maxsize=4)
+def doorways(document: Map) -> tuple[tuple[Doorway, ...], tuple[Edge, ...]]:
+    """Return the doorways of a map, whose x axes point either way, and the edges of its walls."""
+    edges = wall_edges(document)
+    corners = sorted({(x, y) for edge in edges for x, y in (edge[:2], edge[2:])})
+    gaps: list[tuple[float, Point, Point]] = []
+    for i, a in enumerate(corners):
+        for b in corners[i + 1 :]:
+            if b[0] - a[0] > WIDEST:
+                break
+            if NARROWEST <= dist(a, b) <= WIDEST:
+                gaps.append((dist(a, b), a, b))
+    found: list[Doorway] = []
+    for width, a, b in sorted(gaps):
+        x, y = (a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0
+        if any(dist((x, y), (other.x, other.y)) < SAME for other in found):
+            continue
+        near = tuple(edge for edge in edges if _distance(edge, x, y) < NEAR)
+        if not any(_distance(edge, x, y) < 0.45 * width for edge in near):
+            found.append(Doorway(x, y, (b[1] - a[1]) / width, (a[0] - b[0]) / width, width, near))
+    return tuple(_between_both_sides(found, gaps)), edges
+
+
+def _between_both_sides(found: list[Doorway], gaps: list[tuple[float, Point, Point]]) -> Iterator[Doorway]:
+    """Yield the doorways, with the middle between the gaps of both faces of the wall."""
+    for one in found:
+        middles = [
+            one.local((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0) for width, a, b in gaps if width < one.width + 1e-3
+        ]
+        alongs = [x for x, y in middles if abs(x) < SAME and abs(y) < 0.05]
+        half = math.fsum(alongs) / len(alongs)
+        yield one._replace(x=one.x + half * one.ux, y=one.y + half * one.uy)
+
+
+def wall_edges(document: Map) -> tuple[Edge, ...]:
+    """Return the edges of all walls and obstacles that a person can meet, m."""
+    return tuple(
+        (*a, *b) for ring in solids(document) for a, b in zip(ring, (*ring[1:], ring[0]), strict=True) if a != b
+    )
+
+
+def way_through(doors: Sequence[Doorway], edges: Sequence[Edge], here: Point, goal: Point) -> Doorway | None:
+    """Return the doorway that leads from a point to a goal, or None if none is needed or none is seen.
+
+    It is the nearest one that the straight way passes, or in which the goal is. If a wall is in the straight way, it is
+    the one with the shortest way of those that are seen and have the goal on their other side.
+
+    Args:
+        doors: The doorways of the map.
+        edges: The edges of all its walls.
+        here: Where the pedestrian is, m.
+        goal: Where it walks to, m.
+    """
+    best: Doorway | None = None
+    least = math.inf
+    blocked: bool | None = None
+    for one in doors:
+        away = dist(here, (one.x, one.y))
+        if away > SIGHT:
+            continue
+        from_x, from_y = one.local(*here)
+        to_x, to_y = one.local(*goal)
+        inside = max(abs(to_x), abs(to_y)) < one.width / 2.0
+        if inside:
+            to_x = -from_x
+        if from_x * to_x >= 0.0 or (abs(to_x) < 0.3 and not inside):
+            continue
+        across = from_y - (to_y - from_y) * from_x / (to_x - from_x)
+        if inside or abs(across) < one.width / 2.0:
+            cost = away
+        else:
+            if blocked is None:
+                blocked = _crossed(edges, here, goal)
+            if not blocked:
+                continue
+            cost = 1e3 + away + dist((one.x, one.y), goal)
+        if cost < least and not _crossed(one.walls, here, (one.x, one.y)):
+            turned = one if to_x > 0.0 else one._replace(ux=-one.ux, uy=-one.uy)
+            best, least = turned, cost
+    return best
+
+
+def near_wall(walls: Sequence[Edge], x: float, y: float, metres: float) -> bool:
+    """Return whether a point is within some metres of a wall."""
+    return any(_distance(edge, x, y) < metres for edge in walls)
+
+
+def _distance(edge: Edge, x: float, y: float) -> float:
+    """Return the distance of a point from an edge, m."""
+    ax, ay, bx, by = edge
+    dx, dy, x, y = bx - ax, by - ay, x - ax, y - ay
+    share = min(max((x * dx + y * dy) / (dx * dx + dy * dy), 0.0), 1.0)
+    x, y = x - share * dx, y - share * dy
+    return math.sqrt(x * x + y * y)
+
+
+def _crossed(edges: Sequence[Edge], a: Point, b: Point) -> bool:
+    """Return whether the line between two points crosses an edge."""
+    (x, y), dx, dy = a, b[0] - a[0], b[1] - a[1]
+    for ax, ay, bx, by in edges:
+        first, second = dx * (ay - y) - dy * (ax - x), dx * (by - y) - dy * (bx - x)
+        if first * second <= 0.0:
+            ex, ey = bx - ax, by - ay
+            if (ex * (y - ay) - ey * (x - ax)) * (ex * (y + dy - ay) - ey * (x + dx - ax)) <= 0.0:
+                return True
+    return False
