@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.label_layout import Picture
-from intellwheels_viewer.drawings.labels import REAL, Labels, cut, name_of, tags
+from intellwheels_viewer.drawings.labels import REAL, Labels, cut, is_data, name_of, tags
 from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.drawings.cast import body, entity, node
 
@@ -73,6 +73,13 @@ def test_in_a_picture_labels_of_one_place_are_one(scene: viser.SceneApi) -> None
     assert any(one.text.endswith(" chairs") for one in shown)
     labels.show(tags(cast, [entity(name, 2.0 * k - 19.0) for k, name in enumerate(cast)], (), 0.0, ()), picture)
     assert node(scene, "/crowd/c9").text == "c9"
+
+
+def test_what_is_for_programs_is_a_bubble_of_wanted_agents_only() -> None:
+    said = [Utterance("a", 10.0, "way 8.2 2.9 -7.6 2")]
+    assert tags(CAST, [entity("a")], said, 10.0, ())["a"].text == "a"
+    assert "way 8.2" in tags(CAST, [entity("a")], said, 10.0, ("a",))["a"].text
+    assert not any(is_data(text) for text in ("door open", "2", "goal 3", "I wait 0.5 s for you", ""))
 
 
 def test_what_a_user_says_is_a_bubble_above_the_one_it_is_for_or_above_all() -> None:

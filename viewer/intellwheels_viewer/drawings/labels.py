@@ -8,6 +8,7 @@ Where they stand depends on the camera, see `label_layout`, so each browser has 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Final
 
@@ -32,12 +33,20 @@ REAL: Final = "\u25cf real"
 """What stands behind the name of a real chair."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
+_NUMBER: Final = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 
 
 def cut(text: str) -> str:
     """Return a text on one line of at most `LONGEST` characters."""
     line = " ".join(text.split())
     return line if len(line) <= LONGEST else line[: LONGEST - 1].rstrip() + "…"
+
+
+def is_data(text: str) -> bool:
+    """Return whether a message is for programs: it has two numbers or more, and at least as many as other words."""
+    words = text.split()
+    numbers = sum(_NUMBER.fullmatch(word) is not None for word in words)
+    return numbers >= 2 and 2 * numbers >= len(words)
 
 
 def name_of(entity: Entity, *, with_speed: bool = True) -> str:
@@ -69,12 +78,17 @@ def tags(
     Args:
         bodies: Documents by agent.
         entities: States.
-        utterances: What was said, newest last. The newest of each agent is shown, however many bodies there are.
+        utterances: What was said, newest last. The newest of each agent is shown, however many bodies there are. What is
+            for programs, see `is_data`, is shown of wanted agents only.
         now: The simulated time, in seconds.
         wanted: Agents that have a label however many bodies there are.
     """
     recent = [each for each in utterances if 0.0 <= now - each.time < SPOKEN and cut(each.text)]
-    spoken = {each.speaker: f"\u201c{cut(each.text)}\u201d" for each in recent if each.speaker != USER}
+    spoken = {
+        each.speaker: f"\u201c{cut(each.text)}\u201d"
+        for each in recent
+        if each.speaker != USER and (each.speaker in wanted or not is_data(each.text))
+    }
     told = {each.to: f"User: \u201c{cut(each.text)}\u201d" for each in recent if each.speaker == USER}
     shown = named(bodies, entities, {*wanted, *spoken, *(agent for agent in told if agent is not None)})
     return {
