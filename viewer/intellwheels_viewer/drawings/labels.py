@@ -78,8 +78,8 @@ def tags(
     Args:
         bodies: Documents by agent.
         entities: States.
-        utterances: What was said, newest last. The newest of each agent is shown, however many bodies there are. What is
-            for programs, see `is_data`, is shown of wanted agents only.
+        utterances: What was said, newest last. The newest of each agent is shown, however many bodies there are. What
+            is for programs, see `is_data`, is shown of wanted agents only.
         now: The simulated time, in seconds.
         wanted: Agents that have a label however many bodies there are.
     """
