@@ -203,21 +203,33 @@ def check_bag(bag: Path, messages: int, last: int) -> None:
     assert found["/chair1/odom"][-1].twist.twist.linear.x > 0.1
 
 
+SILENCE = 12.0
+"""Seconds without a message after which a page subscribes again: `iw-record` has sent everything four times by then."""
+
+
 class Page:
     """A page of Foxglove: its protocol, written from its description."""
 
     def __init__(self, address: str) -> None:
         self.socket: ClientConnection = connect(address, subprotocols=[Subprotocol("foxglove.sdk.v1")], max_size=None)
         self.channels: dict[str, int] = {}
+        self._topics: list[str] = []
 
     def subscribe(self, topic: str) -> None:
         while topic not in self.channels:
             self._receive()
-        self._send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": self.channels[topic]}]})
+        self._topics.append(topic)
+        number = len(self._topics)
+        self._send({"op": "subscribe", "subscriptions": [{"id": number, "channelId": self.channels[topic]}]})
 
     def message(self) -> bytes:
         while True:
-            data = self._receive()
+            try:
+                data = self._receive(SILENCE)
+            except TimeoutError:
+                # On a busy machine the server of the library has lost a subscription twice. It is made once more.
+                self.subscribe(self._topics[-1])
+                data = self._receive()
             if data is not None:
                 return data
 
@@ -231,8 +243,8 @@ class Page:
     def _send(self, words: dict[str, Any]) -> None:
         self.socket.send(json.dumps(words))
 
-    def _receive(self) -> bytes | None:
-        data = self.socket.recv(timeout=DEADLINE)
+    def _receive(self, timeout: float = DEADLINE) -> bytes | None:
+        data = self.socket.recv(timeout=timeout)
         if isinstance(data, bytes):
             return data[13:] if data[0] == 1 else None
         words = json.loads(data)
