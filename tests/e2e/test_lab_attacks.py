@@ -376,8 +376,14 @@ def test_crew_of_a_stranger_gets_no_agent_of_others(room: Room, way: str) -> Non
     session.put(f"iw/v1/main/crew/{OTHER_CREW}/actions", json.dumps(acts).encode(), encoding=JSON)
     room.settle(session)
     room.ticks(2)
-    errors = [json.loads(data) for key, data in list(room.heard) if key.endswith("/error")]
-    assert {(error.get("Agent"), error["Code"]) for error in errors} == {(agent, "not-joined") for agent in agents[:3]}
+
+    def errors() -> set[tuple[str, str]]:
+        found = [json.loads(data) for key, data in list(room.heard) if key.endswith("/error")]
+        return {(error.get("Agent"), error["Code"]) for error in found}
+
+    expected = {(agent, "not-joined") for agent in agents[:3]}
+    room.stage.wait(lambda: errors() >= expected or None, "errors of the agents that have not joined")
+    assert errors() == expected
     assert {key.split("/")[-2] for key, _ in list(room.heard) if key.endswith("/error")} == {OTHER_CREW}
     leave = {"Crew": OTHER_CREW, "Leave": [{"Agent": own, "Session": joined["Session"]}]}
     assert link.query(session, f"iw/v1/main/crew/{OTHER_CREW}/leave", json.dumps(leave).encode())[0].ok
