@@ -27,6 +27,15 @@ SIGHT = 8.0
 Edge = tuple[float, float, float, float]
 """x and y of both ends, m."""
 
+_Cell = tuple[int, int]
+_SIZE = 1.0
+"""Edge of a cell, m: more than `SAME`."""
+_BESIDE = 0.6
+"""Walls farther than this from the middle of a gap do not block it, m."""
+_PIECE = 2.0
+_MOST_PIECES = 512
+"""An edge is put into cells in pieces of at most `_PIECE` metres; one of more pieces counts everywhere."""
+
 
 class Doorway(NamedTuple):
     """A gap that one person at a time can pass.
@@ -67,26 +76,65 @@ def doorways(document: Map) -> tuple[tuple[Doorway, ...], tuple[Edge, ...]]:
                 break
             if NARROWEST <= dist(a, b) <= WIDEST:
                 gaps.append((dist(a, b), a, b))
+    gaps.sort()
+    beside = _by_cell(edges)
     found: list[Doorway] = []
-    for width, a, b in sorted(gaps):
-        x, y = (a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0
-        if any(dist((x, y), (other.x, other.y)) < SAME for other in found):
+    taken: dict[_Cell, list[Point]] = {}
+    for width, a, b in gaps:
+        x, y = middle = _middle(a, b)
+        if any(dist(middle, other) < SAME for cell in _around(middle) for other in taken.get(cell, ())):
+            continue
+        if any(_distance(edge, x, y) < 0.45 * width for key in (_cell(x, y), None) for edge in beside.get(key, ())):
             continue
         near = tuple(edge for edge in edges if _distance(edge, x, y) < NEAR)
-        if not any(_distance(edge, x, y) < 0.45 * width for edge in near):
-            found.append(Doorway(x, y, (b[1] - a[1]) / width, (a[0] - b[0]) / width, width, near))
+        found.append(Doorway(x, y, (b[1] - a[1]) / width, (a[0] - b[0]) / width, width, near))
+        taken.setdefault(_cell(x, y), []).append(middle)
     return tuple(_between_both_sides(found, gaps)), edges
 
 
 def _between_both_sides(found: list[Doorway], gaps: list[tuple[float, Point, Point]]) -> Iterator[Doorway]:
     """Yield the doorways, with the middle between the gaps of both faces of the wall."""
+    middles: dict[_Cell, list[tuple[float, Point]]] = {}
+    for width, a, b in gaps:
+        middle = _middle(a, b)
+        middles.setdefault(_cell(*middle), []).append((width, middle))
     for one in found:
-        middles = [
-            one.local((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0) for width, a, b in gaps if width < one.width + 1e-3
-        ]
-        alongs = [x for x, y in middles if abs(x) < SAME and abs(y) < 0.05]
+        near = [both for cell in _around((one.x, one.y)) for both in middles.get(cell, ())]
+        places = [one.local(*middle) for width, middle in near if width < one.width + 1e-3]
+        alongs = [x for x, y in places if abs(x) < SAME and abs(y) < 0.05]
         half = math.fsum(alongs) / len(alongs)
         yield one._replace(x=one.x + half * one.ux, y=one.y + half * one.uy)
+
+
+def _middle(a: Point, b: Point) -> Point:
+    return (a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0
+
+
+def _cell(x: float, y: float) -> _Cell:
+    return math.floor(x / _SIZE), math.floor(y / _SIZE)
+
+
+def _around(point: Point) -> Iterator[_Cell]:
+    """Yield the cell of a point and those around it: all that is nearer than a cell is in one of them."""
+    column, row = _cell(*point)
+    return ((column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1))
+
+
+def _by_cell(edges: Sequence[Edge]) -> dict[_Cell | None, list[Edge]]:
+    """Return the edges that are nearer than `_BESIDE` to a point of each cell, at least; under None, very long ones."""
+    found: dict[_Cell | None, list[Edge]] = {}
+    for edge in edges:
+        ax, ay, bx, by = edge
+        pieces = math.ceil(max(abs(bx - ax), abs(by - ay)) / _PIECE) or 1
+        keys: set[_Cell | None] = set() if pieces <= _MOST_PIECES else {None}
+        for piece in range(pieces if not keys else 0):
+            ends = piece / pieces, (piece + 1) / pieces
+            xs, ys = ([low + end * (high - low) for end in ends] for low, high in ((ax, bx), (ay, by)))
+            first, last = _cell(min(xs) - _BESIDE, min(ys) - _BESIDE), _cell(max(xs) + _BESIDE, max(ys) + _BESIDE)
+            keys.update((i, j) for i in range(first[0], last[0] + 1) for j in range(first[1], last[1] + 1))
+        for key in keys:
+            found.setdefault(key, []).append(edge)
+    return found
 
 
 def wall_edges(document: Map) -> tuple[Edge, ...]:
@@ -146,7 +194,8 @@ def _distance(edge: Edge, x: float, y: float) -> float:
     """Return the distance of a point from an edge, m."""
     ax, ay, bx, by = edge
     dx, dy, x, y = bx - ax, by - ay, x - ax, y - ay
-    share = min(max((x * dx + y * dy) / (dx * dx + dy * dy), 0.0), 1.0)
+    square = dx * dx + dy * dy  # 0 for a tiny edge, too
+    share = min(max((x * dx + y * dy) / square, 0.0), 1.0) if square > 0.0 else 0.0
     x, y = x - share * dx, y - share * dy
     return math.sqrt(x * x + y * y)
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
+from intellwheels_agents import doorways as module
 from intellwheels_agents.doorways import doorways, near_wall, way_through
 from intellwheels_maps import floor
+from intellwheels_schemas.messages import Corner, Map, Obstacle
 from tests.agents.person_trials import two_rooms
 
 
@@ -53,3 +57,37 @@ def test_point_beside_a_jamb_is_near_a_wall_and_one_in_the_doorway_is_not() -> N
     ((door,), _) = doorways(two_rooms(0.9))
     assert near_wall(door.walls, 0.0, 0.4, 0.1)
     assert not near_wall(door.walls, 0.0, 0.0, 0.1)
+
+
+def _with_obstacles(document: Map, *rings: list[tuple[float, float]]) -> Map:
+    obstacles = (
+        Obstacle(name=f"o{k}", top=2.0, corner=tuple(Corner(x=x, y=y) for x, y in ring)) for k, ring in enumerate(rings)
+    )
+    return Map(format="iw.v1", name="obstacles", wall=document.wall, obstacle=tuple(obstacles))
+
+
+def test_corners_that_are_nearly_the_same_are_no_trouble() -> None:
+    """The square of the length of an edge between them is 0."""
+    walls = two_rooms(0.9)
+    ((door,), _) = doorways(_with_obstacles(walls, [(0.0, 1.5), (1e-170, 1.5), (0.0, 1.6), (-0.1, 1.6)]))
+    assert (door.x, door.y) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_gaps_within_pillars_cost_little_on_a_map_of_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each pair of corners of a round pillar is a gap; it is compared with the walls beside it only."""
+    pillars = [
+        [(3.0 * k + math.cos(math.tau * n / 24) / 2.0, 9.0 + math.sin(math.tau * n / 24) / 2.0) for n in range(24)]
+        for k in range(10)
+    ]
+    calls = 0
+    plain = module._distance
+
+    def counted(edge: module.Edge, x: float, y: float) -> float:
+        nonlocal calls
+        calls += 1
+        return plain(edge, x, y)
+
+    monkeypatch.setattr(module, "_distance", counted)
+    found, edges = doorways(_with_obstacles(two_rooms(0.9), *pillars))
+    assert any((one.x, one.y) == pytest.approx((0.0, 0.0), abs=1e-9) for one in found)
+    assert calls < 100 * len(edges)
