@@ -34,9 +34,13 @@ _NOT_LET_IN: Final = {
 }
 """Words of Zenoh and of its TLS for who is not let in. They do not tell who it is."""
 _ACCEPTS: Final = (b"::accept\x1b", b"zenoh_link_tls")
-_NAME: Final = re.compile(rb" ([0-9a-f]{1,32}) on \S*?(?:Username|CertCommonName)\(([^)]{1,64})\)")
+_MESSAGE: Final = b"\x1b[2m:\x1b[0m "
+"""What stands between the thread and part of Zenoh and the message, of which a key with any text is the end."""
+_REFUSES: Final = re.compile(rb"([0-9a-f]{1,32}) on (.*?) is unauthorized to ")
+_NAME: Final = re.compile(rb"(?:Username|CertCommonName)\(([^)]{1,64})\)")
 _DENIED: Final = re.compile(
-    rb" ([0-9a-f]{1,32})(?: on \S+)? is (un)?authorized to ([A-Z][a-zA-Z ]*) \(ingress\) on (.+)"
+    rb"(?:Using cached result: )?([0-9a-f]{1,32})(?: on (.*?))? is (un)?authorized to ([A-Z][a-zA-Z ]*) "
+    rb"\(ingress\) on (.+)"
 )
 _SECRETS: Final = re.compile(r"(^|/)(alive(?:/(?:both|mind|body)(?=/))?)/.*")
 """What follows in a token is of one process only."""
@@ -60,30 +64,31 @@ class Denials:
         """Return in words what a line of Zenoh's log says that others must know; empty if nothing."""
         if not line.startswith(_LINE):
             return ""
-        start = line.find(b"ThreadId(")
-        thread = line[start : line.find(b")", start)]
-        if _DROPPED in line:
+        head, _, text = line.partition(_MESSAGE)
+        start = head.find(b"ThreadId(")
+        thread = head[start : head.find(b")", start)]
+        if text.startswith(_DROPPED):
             return self._dropped(self._last.pop(thread, b""))
-        if any(part in line for part in _ACCEPTS):
-            why = next((words for said, words in _NOT_LET_IN.items() if said in line), "")
+        if any(part in head for part in _ACCEPTS):
+            why = next((words for said, words in _NOT_LET_IN.items() if said in text), "")
             return self._count(SOMEBODY, f"{SOMEBODY} {why}") if why else ""
-        if b" is unauthorized to " in line and (found := _NAME.search(line)) is not None:
+        if (found := _REFUSES.match(text)) is not None and (named := _NAME.search(found[2])) is not None:
             if len(self._names) > _MOST_SESSIONS:
                 self._names.clear()
-            self._names[found[1]] = found[2].decode("utf-8", "replace")
-        self._last[thread] = line
+            self._names[found[1]] = named[1].decode("utf-8", "replace")
+        self._last[thread] = text
         return ""
 
     def _dropped(self, why: bytes) -> str:
-        found = _DENIED.search(why)
-        verb = None if found is None else _VERBS.get(found[3].decode())
+        found = _DENIED.match(why)
+        verb = None if found is None else _VERBS.get(found[4].decode())
         if found is None or verb is None:
             return ""
-        named = _NAME.search(why)
-        who = self._names.get(found[1], SOMEBODY) if named is None else named[2].decode("utf-8", "replace")
-        key = _SECRETS.sub(r"\1\2/*", found[4].decode("utf-8", "replace"))
+        named = _NAME.search(found[2] or b"")
+        who = self._names.get(found[1], SOMEBODY) if named is None else named[1].decode("utf-8", "replace")
+        key = _SECRETS.sub(r"\1\2/*", found[5].decode("utf-8", "replace"))
         # What a rule allows is dropped only for its length.
-        return self._count(who, sentence(who, verb, key[:100]) + ("" if found[2] else " at such length"))
+        return self._count(who, sentence(who, verb, key[:100]) + ("" if found[3] else " at such length"))
 
     def _count(self, who: str, what: str) -> str:
         times = self._times.setdefault(who, Counter())

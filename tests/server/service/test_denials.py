@@ -84,6 +84,17 @@ def test_text_of_a_peer_accuses_nobody() -> None:
     assert note.isprintable()
 
 
+def test_key_with_words_of_the_log_hides_nothing_and_accuses_nobody() -> None:
+    allowed = f"{TEACHER} authorized to Put (ingress) on {ACTIONS}"
+    for rest in (DROPPED, "zenoh_link_tls peer sent no certificates", f"x {OTHER} on Username(teacher) is"):
+        denied = f"{STUDENT} unauthorized to Put (ingress) on iw/v1/main/{rest}"
+        expected = [f"denied why='student1 may not write {rest} in world main' times=1"]
+        assert said(allowed, denied, DROPPED) == expected
+        declared = f"{STUDENT} unauthorized to Query (ingress) on iw/v1/main/{rest}"
+        cached = f"Using cached result: {ZID} is unauthorized to Put (ingress) on iw/v1/main/{rest}"
+        assert said(declared, cached, DROPPED) == expected
+
+
 def test_lines_are_few_however_much_is_denied() -> None:
     one = (f"{STUDENT} unauthorized to Put (ingress) on {ACTIONS}", DROPPED)
     assert [note.rpartition("=")[2] for note in said(*one * 1000)] == ["1", "10", "100", "1000"]
