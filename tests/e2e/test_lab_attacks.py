@@ -408,11 +408,12 @@ def test_who_is_no_identity_any_more_does_not_get_in_and_is_told(room: Room, who
     with pytest.raises(ConnectionError, match=words):
         link.open_session(route, threading.Event(), timeout=0.0)
     if who == "none":
-        shown = "no identity" if way == "password" else "no certificate"
+        # Whoever knows no lab does not know the authority of the router's certificate either.
+        shown = "showed no identity" if way == "password" else "is of no lab or another one"
     else:
         stranger = who == "foreign" and way == "certificate"
-        shown = "a certificate of another lab" if stranger else "an unknown name or a wrong password"
-    room.is_reported(f"somebody showed {shown}")
+        shown = f"showed {'a certificate of another lab' if stranger else 'an unknown name or a wrong password'}"
+    room.is_reported(f"somebody {shown}")
 
 
 def test_certificate_ends_for_the_router_too(room: Room) -> None:

@@ -30,7 +30,7 @@ _NOT_LET_IN: Final = {
     b"invalid peer certificate: UnknownIssuer": "showed a certificate of another lab",
     b"invalid peer certificate: certificate expired": "showed a certificate that has expired",
     b"peer sent no certificates": "showed no certificate",
-    b"received fatal alert: UnknownCA": "is of another lab, and did not accept the router's certificate",
+    b"received fatal alert: UnknownCA": "is of no lab or another one, and did not accept the router's certificate",
 }
 """Words of Zenoh and of its TLS for who is not let in. They do not tell who it is."""
 _ACCEPTS: Final = (b"::accept\x1b", b"zenoh_link_tls")
