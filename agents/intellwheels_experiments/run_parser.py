@@ -38,7 +38,7 @@ examples:
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
-exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
+Exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
 the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
 
 The command needs the extra `server`; with --view also `viewer`, and for a batch or branch also `experiments`,

@@ -89,7 +89,7 @@ _CLOCK: Final = (
 )
 _STATE: Final = (
     "every tick, at most 60 per second; always the last tick before a stop; 2 per second while nothing that it shows "
-    "changes; from a playback, as often as the clock"
+    "changes; in a playback, as often as the clock"
 )
 
 CHANNELS: Final[dict[str, Channel]] = {
@@ -105,7 +105,7 @@ CHANNELS: Final[dict[str, Channel]] = {
     ),
     "token": Channel("in/<agent>/alive/<role>/<instance>", "agent", "token", "while the process runs"),
     "user": Channel(
-        "user/<agent>", "operator, joystick or viewer page", "put", "at least every 0.3 s", (UserInput,),
+        "user/<agent>", "operator, joystick, bridge or viewer page", "put", "at least every 0.3 s", (UserInput,),
         priority="interactive-high",
     ),
     "measures": Channel("out/<agent>/measures", "simulator", "put", "every tick", (Measures,), priority="data-high"),
@@ -121,16 +121,16 @@ CHANNELS: Final[dict[str, Channel]] = {
     "clock": Channel("clock", "simulator", "put", _CLOCK, (Clock,), (Clock,), get=True, priority="real-time",
                      express=True),
     "crew_token": Channel(
-        "in/<agent>/alive/<role>/<instance>/<crew>", "process with many agents", "token", "while the process runs"
+        "in/<agent>/alive/<role>/<instance>/<crew>", "crew", "token", "while the process runs"
     ),
     "crew_join": Channel(
-        "crew/<crew>/join", "process with many agents", "query", "once", (CrewJoin,), (CrewJoined,), (Refused,)
+        "crew/<crew>/join", "crew", "query", "once", (CrewJoin,), (CrewJoined,), (Refused,)
     ),
     "crew_leave": Channel(
-        "crew/<crew>/leave", "process with many agents", "query", "once, optional", (CrewLeave,), (Result,), (Result,)
+        "crew/<crew>/leave", "crew", "query", "once, optional", (CrewLeave,), (Result,), (Result,)
     ),
     "crew_actions": Channel(
-        "crew/<crew>/actions", "process with many agents", "put", "every tick", (CrewActions,),
+        "crew/<crew>/actions", "crew", "put", "every tick", (CrewActions,),
         priority="interactive-high",
     ),
     "crew_measures": Channel(

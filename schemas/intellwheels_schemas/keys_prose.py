@@ -61,10 +61,10 @@ NOTES: Final = """
   `field` with the key. `UserInput` for an agent that has no `UserInput` in its `Robot` and is not taken is dropped, and
   `out/<agent>/error` gets an Error `role`; for an agent that is not there, `not-joined`. These errors come at most once
   in 5 s for an agent, after the first two. A program that steers an agent should subscribe to that key.
-- A crew has at most 250 agents, each with a token of its own that ends with the crew's name. By it the agent's owner
-  allows the crew to act for it. `crew/<crew>/join` joins with many agents at once. It waits 1 s for their tokens, and
-  accepts or refuses each agent by itself. While a token of the crew's process exists, the crew is refused to any other
-  process, as `already-here`. Robots of a crew are simulated, with the role `both` or `mind`.
+- A crew has at most 250 agents, each with a token of its own that ends with the crew's name. With it, the agent's
+  owner allows the crew to act for the agent. `crew/<crew>/join` joins with many agents at once. It waits 1 s for
+  their tokens, and accepts or refuses each agent by itself. While a token of the crew's process exists, the crew is
+  refused to any other process, as `already-here`. Robots of a crew are simulated, with the role `both` or `mind`.
 - `CrewActions` and `CrewMeasures` come in parts of about 48 kB. Each part counts by itself, and has each agent at most
   once. Wrong actions of an agent do not affect the others. Their Error goes to `out/<agent>/error` and to
   `crew/<crew>/error`. An agent that did not join with this crew, or a whole message that is wrong, has its Error on
@@ -119,18 +119,18 @@ ACCESS: Final = """## Who may do what
 
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. A process
 that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
-identity, and so does `<crew>` in a key without an agent: the name of a crew is one that an agent of the identity could
-have. These roles read about every agent: {overseers}. An operator asks for its `Verbs` only, and a viewer only for
-`take`. The router drops what is longer than the [limits](#limits). It limits no rate: Zenoh's way to do so would drop
-honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of another
-machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
+identity. In a key without an agent, `<crew>` must match `Agents` too, as if it were the name of an agent. These roles
+read about every agent: {overseers}. An operator asks for its `Verbs` only, or for all if it lists none, and a viewer
+only for `take`. The router drops what is longer than the [limits](#limits). It does not limit the rate: Zenoh's way
+to do so would drop honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one
+address of another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
 
-The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick; user
-input of an agent counts apart, and a crew counts as one agent. Further ones are dropped with the Error `too-many`. Of
-each key it keeps 128 messages a tick at most, and of all keys whose agents are not there 256. It answers queries
-between ticks: up to 2,048 wait for each key. It reports what finds no room. To drop a message costs it some
-microseconds all the same, and others share the way from the router: while a program sends tens of thousands a second,
-ticks and commands of others may be late, and commands may be lost.
+The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick;
+user input of an agent counts apart, and a crew counts as one agent. Further ones are dropped with the Error
+`too-many`. Of each key it keeps 128 messages a tick at most, and of all keys whose agents are not there 256. It
+answers queries between ticks: up to 2,048 wait for each key. It reports what it has no room for. Dropping a message
+still takes some microseconds, and all messages share the connection to the router: while a program sends tens of
+thousands a second, ticks and commands of others may be late, and commands may be lost.
 
 """
 

@@ -753,7 +753,7 @@ class AgentJoined(Record, frozen=True, kw_only=True):
     """An agent of a crew that has joined."""
 
     agent: Name
-    """Name that the agent's Robot has in the request."""
+    """Name in the agent's `Robot` of the request."""
     session: Hex
     """Id of this agent's join. Send it with its Actions and Say."""
     position: Position
@@ -766,7 +766,7 @@ class AgentRefused(Refused, frozen=True, kw_only=True):
     """An agent of a crew that was refused."""
 
     agent: Name
-    """Name that the agent's Robot has in the request."""
+    """Name in the agent's `Robot` of the request."""
 
 
 class CrewJoined(Record, frozen=True, kw_only=True):
@@ -1277,7 +1277,7 @@ class Clock(Record, frozen=True, kw_only=True):
     costliest: Name | None = None
     """Agent whose sensors cast the most rays; absent if no sensor casts any."""
     flooding: Name | None = None
-    """Agent or crew that, in the last second, sent most beyond its limit; absent if none did."""
+    """Agent or crew that exceeded its message limit by the most in the last second; absent if none did."""
     hash: Kept
     stamp: Stamp
     """Unix time at which the message was written."""
@@ -1790,7 +1790,7 @@ class May(Record, frozen=True, kw_only=True):
     """What an identity may do in one world."""
 
     role: LabRole
-    """Kind of program: KEYS.md lists what each may read and write."""
+    """Kind of program: `Who may do what` in KEYS.md lists what each may read and write."""
     world: Name = defaults.WORLD
     """World in which it may do so."""
     agents: Annotated[tuple[NamePattern, ...], Meta(max_length=64)] = ()

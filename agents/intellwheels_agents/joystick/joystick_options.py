@@ -46,7 +46,7 @@ examples:
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, with shift all of it; space stops.
+The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, and with shift the full value; space stops.
 Use it with worlds at pace realtime. At the paces lockstep and free a run is too fast to steer by hand.
 Each message is valid for 0.3 s and is repeated while the input lasts. Input of a device that is older than 0.3 s
 counts as none.
@@ -199,7 +199,7 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--signals", type=_signals, default=DEFAULT_SIGNALS, metavar="SIGNAL=KEY,...",
         help=f"with sip-puff: the keys of {', '.join(DEFAULT_SIGNALS)} (default: "
-        + ",".join(f"{signal}={key}" for signal, key in DEFAULT_SIGNALS.items()) + ")",
+        + ", ".join(f"{signal}={key}" for signal, key in DEFAULT_SIGNALS.items()) + ")",
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from typing import Any, Final, Protocol
 from intellwheels_agents.record_gateway.crew_records import each_alone
 from intellwheels_agents.record_gateway.translator import Entry, Translator
 from intellwheels_schemas import link
+from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
@@ -22,6 +23,8 @@ ANSWER_TIMEOUT: Final = 2.0
 """Seconds to wait for what the simulator answers at once."""
 TRY_EVERY: Final = 1.0
 """Seconds between two requests for the map or the bodies."""
+SOON: Final = 2.0
+"""Seconds without a simulator after which the log says so."""
 WAIT: Final = 0.05
 """Longest wait for a message, s."""
 
@@ -62,14 +65,21 @@ class WorldSource:
         self._log = log
         self._others = others
         self._asked_at = -TRY_EVERY
+        self._waits_since: float | None = time.monotonic()
         self._stack = ExitStack()
 
     def __enter__(self) -> WorldSource:
         """Subscribe to everything that is put."""
         keys, session = self._keys, self._session
+        # Each kind by itself: the router of a lab lets nobody subscribe to more than the kinds that the contract names.
+        of_agents = [
+            f"{keys.prefix}{channel.key.replace('<agent>', '*')}"
+            for channel in CHANNELS.values()
+            if channel.kind == "put" and channel.key.startswith(("in/", "out/"))
+        ]
         expressions = (
-            keys.every_state, keys.every_body, keys.map, keys.event, keys.clock, f"{keys.prefix}out/*/*",
-            keys.every_in, keys.every_user, keys.every_crew_measures, f"{keys.prefix}crew/*/actions",
+            keys.every_state, keys.every_body, keys.map, keys.event, keys.clock, *of_agents, keys.every_user,
+            keys.every_crew_measures, f"{keys.prefix}crew/*/actions",
         )  # fmt: skip
         for expression in expressions:
             self._stack.enter_context(session.declare_subscriber(expression, self.inbox.on_sample))
@@ -90,8 +100,12 @@ class WorldSource:
             if isinstance(arrival, Put):
                 self._take(arrival.key, arrival.data, arrival.encoding)
             elif isinstance(arrival, Presence) and arrival.alive:
+                self._waits_since = None
                 self._translator.wants_map = self._translator.wants_bodies = True
                 self._asked_at = -TRY_EVERY
+        if self._waits_since is not None and time.monotonic() > self._waits_since + SOON:
+            self._waits_since = None
+            self._log(f"waiting why='no simulator at {self._keys.alive} yet'")
         if (self._translator.wants_map or self._translator.wants_bodies) and not stop.is_set():
             self._ask(stop)
         return bool(arrivals)

@@ -47,7 +47,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of this command's own options."""
     result = CommandParser(
         prog="iw-ros",
-        description="Show a world to ROS 2 nodes with rmw_zenoh, and let them drive a chair. ROS is not needed here.",
+        description="Show a world to ROS 2 nodes with rmw_zenoh, and let them drive a chair. This machine needs no ROS "
+        "installation.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

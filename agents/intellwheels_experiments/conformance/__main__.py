@@ -27,8 +27,8 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 HELP = f"""\
 The command starts the program several times. Each time it replaces {{endpoint}}, {{world}} and {{name}} in COMMAND. The
 program also finds them in its environment, as IW_ENDPOINT, IW_WORLD and IW_NAME: where to connect, which world to join,
-and under which name. The program must join by itself, in no
-crew, wait while there is no simulator, and end on SIGTERM.
+and under which name. The program must join as a single agent, not in a crew, wait while there is no simulator, and end
+on SIGTERM.
 
 points (the situation: what the program must do):
 {textwrap.indent(described(), "    ")}
@@ -41,7 +41,7 @@ examples:
   a program that cannot be told an endpoint, and connects to port 7447 itself or through a bridge of your own
       iw-check-agent --listen tcp/127.0.0.1:7447 -- node avoid.js
 
-exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
+Exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
 """
 
 

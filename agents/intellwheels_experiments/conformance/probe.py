@@ -23,7 +23,7 @@ class JoinRequest(NamedTuple):
     answer: Callable[[bytes, Encoding, bool], None]
 
 
-NO_CREWS: Final = "iw-check-agent checks one agent by itself, and no crews"
+NO_CREWS: Final = "iw-check-agent checks single agents only, not crews"
 
 
 class CrewRequest(NamedTuple):

@@ -103,8 +103,8 @@ def parser() -> argparse.ArgumentParser:
         )  # fmt: skip
         one.add_argument(
             "--days", type=_days, default=DAYS, metavar="N",
-            help=f"days for which the certificate is valid, in [1, {DAYS * 10}]; a password has no end except `Until` "
-            f"(default: {DAYS})",
+            help=f"days for which the certificate is valid, in [1, {DAYS * 10}]; a password expires only on the "
+            f"date in `Until` (default: {DAYS})",
         )  # fmt: skip
     add_process_options(found)
     return found
@@ -138,7 +138,10 @@ class _LabDesk:
     def __init__(self, options: argparse.Namespace, files: LabFiles, lab: Lab, today: datetime.date) -> None:
         self._options, self._files, self._lab, self._today = options, files, lab, today
         asked = [*options.host] if options.action == "keys" else []
-        self._signs = bool(asked) or files.authority.exists() or any(one.certificate for one in lab.identity)
+        # A router at a tls/ endpoint has a certificate.
+        encrypted = any(endpoint.startswith("tls/") for endpoint in getattr(options, "connect", ()))
+        wanted = any(identity.certificate for identity in lab.identity)
+        self._signs = bool(asked) or encrypted or wanted or files.authority.exists()
 
     def run(self) -> int:
         """Check everything, and do what was asked."""
@@ -154,6 +157,9 @@ class _LabDesk:
             self._certificates(options.host)
         elif options.action == "revoke":
             self._users(revoked=[identity.name for identity in named])
+            for identity in named:
+                _print(f"revoked identity={identity.name}")
+                _log(f"iw-lab invite {identity.name} writes a new file")
         else:
             everybody = [identity for identity in self._lab.identity if not has_expired(identity, self._today)]
             if options.out is not None and len(named) != 1:

@@ -138,5 +138,5 @@ def test_crew_is_told_that_it_is_not_checked() -> None:
     (answer,) = answers
     assert not answer.ok
     assert decode(Refused, answer.data).text == (
-        "iw-check-agent checks one agent by itself, and no crews; crew 'people' asked to join"
+        "iw-check-agent checks single agents only, not crews; crew 'people' asked to join"
     )

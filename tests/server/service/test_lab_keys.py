@@ -11,7 +11,8 @@ import pytest
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import read_identity
 from intellwheels_server.service import router
-from intellwheels_server.service.lab_files import read_users
+from intellwheels_server.service.lab_certificates import router_hosts
+from intellwheels_server.service.lab_files import LabFiles, read_users
 from intellwheels_server.service.lab_keys import RESTART, main
 from tests.server.service.test_lab_router import LAB
 
@@ -67,13 +68,23 @@ def test_invite_writes_a_file_that_any_command_takes(folder: Path, capsys: pytes
     assert read_identity(folder / "again.iwid").password == own.password
 
 
+def test_invite_to_an_encrypted_endpoint_makes_the_certificates(folder: Path) -> None:
+    assert main(["invite", "student1", "--connect", "tls/10.0.0.5:7447"]) == 0
+    own = read_identity(folder / "student1.iwid")
+    assert own.authority
+    assert "10.0.0.5" in router_hosts(LabFiles(Path("LAB.xml")))
+
+
 def test_revoked_file_is_void_and_the_others_stay(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["keys"])
     before = read_users(folder / "LAB.users")
     assert main(["revoke", "student1"]) == 0
     after = read_users(folder / "LAB.users")
     assert {name for name in before if before[name] != after[name]} == {"student1"}
-    assert RESTART in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert told.out.endswith("revoked identity=student1\n")
+    assert RESTART in told.err
+    assert told.err.endswith("iw-lab: iw-lab invite student1 writes a new file\n")
 
 
 def test_certificates_come_with_a_host_and_the_file_has_the_authority(
