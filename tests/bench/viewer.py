@@ -41,9 +41,13 @@ def reader(port: int) -> Iterator[Browser]:
 
 
 def measure(pid: int, browser: Browser, seconds: float) -> tuple[float, float]:
-    """Return a process's share of a core and the bytes a second that the page got."""
+    """Return a process's share of a core and the bytes a second that the page got.
+
+    A short measurement on a busy machine goes on until the page gets something.
+    """
     begun, cpu, received = time.monotonic(), cpu_of(pid), browser.received
     threading.Event().wait(seconds)
+    browser.wait(lambda: browser.received > received)
     span = time.monotonic() - begun
     return (cpu_of(pid) - cpu) / span, (browser.received - received) / span
 

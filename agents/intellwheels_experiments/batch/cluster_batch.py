@@ -89,17 +89,10 @@ def run_on_cluster(batch: Batch, address: str, on_run: Callable[[StoredRun], Non
         ClusterError: The scheduler was lost, or a worker failed for a reason other than a run.
         OSError: A file cannot be written here.
     """
-    from concurrent.futures import CancelledError  # noqa: PLC0415
-
-    from distributed.comm.core import CommClosedError  # noqa: PLC0415
-
     with _client(address) as client:
-        try:
-            batch.say(_await_workers(client, address, batch, stop))
-            if not stop.is_set():
-                _Distribution(client, address, batch, on_run, stop).perform()
-        except (CommClosedError, CancelledError, TimeoutError) as error:
-            raise _lost(address) from error
+        batch.say(_await_workers(client, address, batch, stop))
+        if not stop.is_set():
+            _Distribution(client, address, batch, on_run, stop).perform()
 
 
 class _Distribution:
@@ -119,7 +112,7 @@ class _Distribution:
         self._ended: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def perform(self) -> None:
-        self._waiting.extend(_shares(pending_runs(self._batch), _slots(self._client)))
+        self._waiting.extend(_shares(pending_runs(self._batch), _slots(self._client, self._address)))
         try:
             while (self._waiting or self._sent) and not self._stop.is_set():
                 self._send()
@@ -132,14 +125,15 @@ class _Distribution:
                 self._client.cancel([future for future, _, _ in self._sent.values()], force=True)
 
     def _send(self) -> None:
-        room = AHEAD * max(1, _slots(self._client))
+        room = AHEAD * max(1, _slots(self._client, self._address))
         while self._waiting and len(self._sent) < room:
             row, seeds = self._waiting.popleft()
             task = Task(
                 batch=_portable(self._batch), row=row, seeds=seeds, version=version("intellwheels"), files=self._files
             )  # fmt: skip
             key = f"intellwheels-{row.name}-{seeds[0]}-{uuid.uuid4().hex}"
-            future = self._client.submit(make_runs, task, key=key, pure=False)
+            with _reach(self._address):
+                future = self._client.submit(make_runs, task, key=key, pure=False)
             self._sent[key] = (future, row, seeds)
             future.add_done_callback(lambda ended: self._ended.put(ended.key))
 
@@ -150,7 +144,8 @@ class _Distribution:
         future, row, seeds = self._sent.pop(key)
         if future.status in ("cancelled", "lost"):
             raise _lost(self._address)
-        error = future.exception() if future.status == "error" else None
+        with _reach(self._address):
+            error = future.exception() if future.status == "error" else None
         if isinstance(error, KilledWorker):
             if len(seeds) > 1:
                 self._waiting.extendleft((row, (seed,)) for seed in reversed(seeds))
@@ -162,11 +157,12 @@ class _Distribution:
             return
         if error is not None:
             raise ClusterError(f"a worker of {self._address} failed: {type(error).__name__}: {error}") from error
-        try:
-            archive = future.result(timeout=RESULT_LIMIT)
-        except TimeoutError as late:
-            text = f"a worker of {self._address} did not hand over its runs within {RESULT_LIMIT:g} s"
-            raise ClusterError(text) from late
+        with _reach(self._address):
+            try:
+                archive = future.result(timeout=RESULT_LIMIT)
+            except TimeoutError as late:
+                text = f"a worker of {self._address} did not hand over its runs within {RESULT_LIMIT:g} s"
+                raise ClusterError(text) from late
         for run in _unpack(archive, self._batch.out, row, seeds):
             self._on_run(run)
         future.release()
@@ -174,6 +170,19 @@ class _Distribution:
 
 def _lost(address: str) -> ClusterError:
     return ClusterError(f"the scheduler at {address} was lost; what had arrived is stored")
+
+
+@contextmanager
+def _reach(address: str) -> Iterator[None]:
+    """Say in our own words what Dask raises when the scheduler is gone: its own error, or that of the connection."""
+    from concurrent.futures import CancelledError  # noqa: PLC0415
+
+    from distributed.client import ClosedClientError  # noqa: PLC0415
+
+    try:
+        yield
+    except (CancelledError, ClosedClientError, OSError) as error:
+        raise _lost(address) from error
 
 
 def make_runs(task: Task) -> bytes:
@@ -253,7 +262,7 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
         ClusterError: The scheduler was lost.
     """
     said = False
-    while not client.nthreads():
+    while not _slots(client, address):
         if client.status not in ("running", "newly-connected"):
             raise _lost(address)
         if not said:
@@ -267,7 +276,8 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
             answer = f"expected IntellWheels with the extra cluster, got none ({answer})"  # noqa: PLW2901
         if answer:
             raise WireError("value", f"--cluster: worker {worker}: {answer}", "--cluster")
-    threads = client.nthreads()
+    with _reach(address):
+        threads = client.nthreads()
     noun = "worker" if len(threads) == 1 else "workers"
     return f"cluster {address}: {len(threads)} {noun}, {sum(threads.values())} runs at a time"
 
@@ -323,9 +333,10 @@ def _words(command: str | None) -> list[str]:
         return []
 
 
-def _slots(client: Client) -> int:
+def _slots(client: Client, address: str) -> int:
     """Return how many runs the cluster makes at a time: one for each thread of its workers."""
-    return sum(client.nthreads().values())
+    with _reach(address):
+        return sum(client.nthreads().values())
 
 
 def _shares(pending: Iterable[tuple[Row, tuple[str, ...]]], slots: int) -> Iterator[tuple[Row, tuple[str, ...]]]:

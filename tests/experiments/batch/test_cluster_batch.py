@@ -374,6 +374,18 @@ def test_worker_that_keeps_its_runs_ends_the_batch_in_words(tmp_path: Path) -> N
         perform(Client(lambda task: None), short_batch(tmp_path, "out"))
 
 
+@pytest.mark.parametrize("call", ["nthreads", "submit"])
+def test_scheduler_that_is_gone_when_it_is_asked_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str
+) -> None:
+    def gone(*_: Any, **__: Any) -> None:
+        raise OSError("Timed out trying to connect to tcp://head:1 after 15 s")
+
+    monkeypatch.setattr(Client, call, gone)
+    with pytest.raises(ClusterError, match=r"the scheduler at tcp://head:1 was lost; what had arrived is stored"):
+        perform(Client(None), short_batch(tmp_path, "out"))
+
+
 @pytest.mark.parametrize("stopped", [False, True])
 def test_worker_that_does_not_answer_ends_the_wait(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stopped: bool
