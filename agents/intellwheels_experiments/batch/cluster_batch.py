@@ -30,6 +30,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from intellwheels_experiments.batch.cluster_client import CONNECT_LIMIT, ClusterError, connect, lost, reach, slots
 from intellwheels_experiments.batch.collect_runs import collect_runs
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, run_seeds
@@ -42,18 +43,12 @@ from intellwheels_schemas.errors import WireError
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-CONNECT_LIMIT: Final = 15.0
-"""Seconds for the scheduler to answer, and for all workers to say what they have."""
 RESULT_LIMIT: Final = 120.0
 """Seconds for a worker to hand over the files of its runs."""
 AHEAD: Final = 2
 """Tasks that are sent for each run that the cluster can make at a time. More would only fill the scheduler's memory."""
 INTERVAL: Final = 0.2
 """Seconds between two checks whether the batch was stopped, or a task given up."""
-
-
-class ClusterError(RuntimeError):
-    """The cluster did not make the runs. The text says why. What was made is stored."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +84,7 @@ def run_on_cluster(batch: Batch, address: str, on_run: Callable[[StoredRun], Non
         ClusterError: The scheduler was lost, or a worker failed for a reason other than a run.
         OSError: A file cannot be written here.
     """
-    with _client(address) as client:
+    with connect(address) as client:
         batch.say(_await_workers(client, address, batch, stop))
         if not stop.is_set():
             _Distribution(client, address, batch, on_run, stop).perform()
@@ -112,27 +107,27 @@ class _Distribution:
         self._ended: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def perform(self) -> None:
-        self._waiting.extend(_shares(pending_runs(self._batch), _slots(self._client, self._address)))
+        self._waiting.extend(_shares(pending_runs(self._batch), slots(self._client, self._address)))
         try:
             while (self._waiting or self._sent) and not self._stop.is_set():
                 self._send()
                 with suppress(queue.Empty):
                     self._take(self._ended.get(timeout=INTERVAL))
                 if self._client.status not in ("running", "newly-connected"):
-                    raise _lost(self._address)
+                    raise lost(self._address)
         finally:
             with suppress(Exception):
                 self._client.cancel([future for future, _, _ in self._sent.values()], force=True)
 
     def _send(self) -> None:
-        room = AHEAD * max(1, _slots(self._client, self._address))
+        room = AHEAD * max(1, slots(self._client, self._address))
         while self._waiting and len(self._sent) < room:
             row, seeds = self._waiting.popleft()
             task = Task(
                 batch=_portable(self._batch), row=row, seeds=seeds, version=version("intellwheels"), files=self._files
             )  # fmt: skip
             key = f"intellwheels-{row.name}-{seeds[0]}-{uuid.uuid4().hex}"
-            with _reach(self._address):
+            with reach(self._address):
                 future = self._client.submit(make_runs, task, key=key, pure=False)
             self._sent[key] = (future, row, seeds)
             future.add_done_callback(lambda ended: self._ended.put(ended.key))
@@ -143,8 +138,8 @@ class _Distribution:
 
         future, row, seeds = self._sent.pop(key)
         if future.status in ("cancelled", "lost"):
-            raise _lost(self._address)
-        with _reach(self._address):
+            raise lost(self._address)
+        with reach(self._address):
             error = future.exception() if future.status == "error" else None
         if isinstance(error, KilledWorker):
             if len(seeds) > 1:
@@ -157,7 +152,7 @@ class _Distribution:
             return
         if error is not None:
             raise ClusterError(f"a worker of {self._address} failed: {type(error).__name__}: {error}") from error
-        with _reach(self._address):
+        with reach(self._address):
             try:
                 archive = future.result(timeout=RESULT_LIMIT)
             except TimeoutError as late:
@@ -166,23 +161,6 @@ class _Distribution:
         for run in _unpack(archive, self._batch.out, row, seeds):
             self._on_run(run)
         future.release()
-
-
-def _lost(address: str) -> ClusterError:
-    return ClusterError(f"the scheduler at {address} was lost; what had arrived is stored")
-
-
-@contextmanager
-def _reach(address: str) -> Iterator[None]:
-    """Say in our own words what Dask raises when the scheduler is gone: its own error, or that of the connection."""
-    from concurrent.futures import CancelledError  # noqa: PLC0415
-
-    from distributed.client import ClosedClientError  # noqa: PLC0415
-
-    try:
-        yield
-    except (CancelledError, ClosedClientError, OSError) as error:
-        raise _lost(address) from error
 
 
 def make_runs(task: Task) -> bytes:
@@ -227,33 +205,6 @@ def inspect_worker(files: dict[str, str], expected: str) -> str:
     return ""
 
 
-@contextmanager
-def _client(address: str) -> Iterator[Client]:
-    """Connect to the scheduler."""
-    import logging  # noqa: PLC0415
-    import warnings  # noqa: PLC0415
-
-    from distributed import Client  # noqa: PLC0415
-    from distributed.versions import VersionMismatchWarning  # noqa: PLC0415
-
-    # What it logs as an error, such as a scheduler that is gone, is told in a sentence here.
-    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    try:
-        with warnings.catch_warnings():
-            # Workers with other versions of Python or of libraries serve: only plain records are exchanged.
-            warnings.filterwarnings("ignore", category=VersionMismatchWarning)
-            client = Client(address, timeout=CONNECT_LIMIT, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        text = f"--cluster: expected a Dask scheduler at {address}, got no answer within {CONNECT_LIMIT:.0f} s"
-        raise WireError("value", text, "--cluster") from error
-    try:
-        yield client
-    finally:
-        with suppress(Exception):
-            client.close(timeout=5)
-
-
 def _await_workers(client: Client, address: str, batch: Batch, stop: threading.Event) -> str:
     """Wait until the cluster has a worker, check all that it has, and return a line about them.
 
@@ -262,9 +213,9 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
         ClusterError: The scheduler was lost.
     """
     said = False
-    while not _slots(client, address):
+    while not slots(client, address):
         if client.status not in ("running", "newly-connected"):
-            raise _lost(address)
+            raise lost(address)
         if not said:
             batch.say(f"waiting for a worker of {address}; start one with: dask worker {address} --nthreads 1")
             said = True
@@ -276,7 +227,7 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
             answer = f"expected IntellWheels with the extra cluster, got none ({answer})"  # noqa: PLW2901
         if answer:
             raise WireError("value", f"--cluster: worker {worker}: {answer}", "--cluster")
-    with _reach(address):
+    with reach(address):
         threads = client.nthreads()
     noun = "worker" if len(threads) == 1 else "workers"
     return f"cluster {address}: {len(threads)} {noun}, {sum(threads.values())} runs at a time"
@@ -331,12 +282,6 @@ def _words(command: str | None) -> list[str]:
         return shlex.split(command or "")
     except ValueError:
         return []
-
-
-def _slots(client: Client, address: str) -> int:
-    """Return how many runs the cluster makes at a time: one for each thread of its workers."""
-    with _reach(address):
-        return sum(client.nthreads().values())
 
 
 def _shares(pending: Iterable[tuple[Row, tuple[str, ...]]], slots: int) -> Iterator[tuple[Row, tuple[str, ...]]]:

@@ -20,12 +20,12 @@ import pytest
 from intellwheels_experiments.batch import cluster_batch
 from intellwheels_experiments.batch.batch_options import scheduler_address
 from intellwheels_experiments.batch.cluster_batch import (
-    ClusterError,
     Task,
     batch_files,
     inspect_worker,
     make_runs,
 )
+from intellwheels_experiments.batch.cluster_client import ClusterError, connect
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.run_batch import Batch, run_batch
 from intellwheels_experiments.batch.run_store import StoredRun, load_run, runs_csv, store_run
@@ -201,17 +201,9 @@ def _lack_files(cluster: Cluster, folder: Path) -> None:
 
 
 def _ask(address: str, batch: Batch, files: dict[str, str]) -> None:
-    with pytest.MonkeyPatch.context() as patch, cluster_batch._client(address) as client:
+    with pytest.MonkeyPatch.context() as patch, connect(address) as client:
         patch.setattr(cluster_batch, "batch_files", lambda _batch: files)
         cluster_batch._await_workers(client, address, batch, threading.Event())
-
-
-@pytest.mark.process
-def test_address_without_a_scheduler_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster_batch, "CONNECT_LIMIT", 0.5)
-    address = "tcp://127.0.0.1:9"
-    with pytest.raises(WireError, match=r"--cluster: expected a Dask scheduler at tcp://127.0.0.1:9, got no answer"):
-        cluster_batch.run_on_cluster(short_batch(tmp_path, "out"), address, lambda run: None, threading.Event())
 
 
 @pytest.mark.soak
