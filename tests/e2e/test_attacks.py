@@ -141,7 +141,8 @@ def _pose_of_a_real_chair(world: World) -> None:
         world.peer.put("in/real1/pose", {"Session": json.loads(copy)["Session"], **moved})
     world.peer.error(errors, "forged")
     world.peer.ticks_on(5)
-    assert abs(world.peer.entities()["real1"]["X"] - before["X"]) < 0.01
+    # It may still roll from an attack before, by centimetres; the forged pose is 3 m away.
+    assert abs(world.peer.entities()["real1"]["X"] - before["X"]) < 0.3
 
 
 def _join_in_the_name_of_a_bridge(world: World) -> None:
