@@ -102,20 +102,31 @@ def tags(
     }
 
 
+def unlabelled(bodies: Mapping[str, Body], entities: Sequence[Entity], tagged: Collection[str]) -> list[Wish]:
+    """Return the bodies without a label, which the labels of others should not cover; none if there are many."""
+    if len(entities) > MANY:
+        return []
+    return [_wish(bodies[e.name], e, "") for e in entities if e.name in bodies and e.name not in tagged]
+
+
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
-    hull = extent(parts_of(body.robot))
     name = name_of(entity, with_speed=wanted)
     name = f"{name}  {REAL}" if body.robot.type == "real" else name
+    return _wish(body, entity, "\n".join([*bubbles, name]), alone=wanted or bool(bubbles))
+
+
+def _wish(body: Body, entity: Entity, text: str, *, alone: bool = False) -> Wish:
+    hull = extent(parts_of(body.robot))
     ahead, left = (hull.rear + hull.front) / 2, (hull.right + hull.left) / 2
     cos, sin = math.cos(entity.heading), math.sin(entity.heading)
     return Wish(
         entity.name,
-        "\n".join([*bubbles, name]),
+        text,
         entity.x + ahead * cos - left * sin,
         entity.y + ahead * sin + left * cos,
         hull.top + ABOVE,
         body.robot.kind,
-        alone=wanted or bool(bubbles),
+        alone=alone,
         heading=entity.heading,
         half=(hull.length / 2, hull.width / 2),
     )
@@ -134,8 +145,14 @@ class Labels:
         self._nodes: dict[str, viser.LabelHandle] = {}
         self._shown: dict[str, Placed] = {}
 
-    def show(self, wishes: Mapping[str, Wish], picture: Picture | None) -> None:
-        """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body."""
+    def show(self, wishes: Mapping[str, Wish], picture: Picture | None, others: Sequence[Wish] = ()) -> None:
+        """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body.
+
+        Args:
+            wishes: The labels.
+            picture: The camera.
+            others: Bodies without a label, see `unlabelled`.
+        """
         if picture is None:
             found = [
                 Placed(
@@ -148,7 +165,7 @@ class Labels:
                 for wish in wishes.values()
             ]
         else:
-            found = placed([*wishes.values()], picture)
+            found = placed([*wishes.values(), *others], picture)
         shown = {one.names[0]: one for one in found}
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
