@@ -6,6 +6,7 @@ import csv
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -80,6 +81,14 @@ def test_a_label_is_just_clear_of_its_body_from_the_side_and_from_above() -> Non
         assert not covers(one.box, body)
         assert one.box[3] == pytest.approx(body[1])
         assert body[0] < (one.box[0] + one.box[2]) / 2 < body[2]
+
+
+def test_the_front_of_a_chair_is_low_and_its_label_no_farther_than_its_back() -> None:
+    picture = Picture((0.0, -10.0, 14.0), (0.0, 0.0, 0.5), 0.8, 800.0, 600.0)
+    away = Wish("a", "a", 0.0, 0.0, 1.5, half=(0.6, 0.35), heading=math.pi / 2)
+    (low,) = placed([replace(away, front=0.5)], picture)
+    (high,) = placed([away], picture)
+    assert low.box[3] > high.box[3] + 5.0
 
 
 def test_a_label_with_no_room_above_stands_beside_its_body() -> None:

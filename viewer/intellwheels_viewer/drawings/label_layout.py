@@ -60,6 +60,7 @@ class Wish:
         alone: Whether it must not join another.
         heading: That of the body, in radians.
         half: Half the length and half the width of the body, in metres.
+        front: Share of its height that it has at its front, such as at the feet of who sits in a chair.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Wish:
     alone: bool = False
     heading: float = 0.0
     half: tuple[float, float] = (0.0, 0.0)
+    front: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -206,10 +208,12 @@ def body_boxes(wishes: Sequence[Wish], lens: Lens) -> Vector:
     """
     if not wishes:
         return np.empty((0, 4))
-    x, y, z, heading, length, width = np.array([(w.x, w.y, w.z, w.heading, *w.half) for w in wishes]).T[..., None]
+    columns = np.array([(w.x, w.y, w.z, w.heading, *w.half, w.front) for w in wishes]).T[..., None]
+    x, y, z, heading, length, width, front = columns
     cos, sin = np.cos(heading), np.sin(heading)
     ahead, left = length * _CORNERS[0], width * _CORNERS[1]
-    points = np.stack([x + ahead * cos - left * sin, y + ahead * sin + left * cos, z * _CORNERS[2]], axis=-1)
+    tops = z * _CORNERS[2] * np.where(_CORNERS[0] == 1.0, front, 1.0)
+    points = np.stack([x + ahead * cos - left * sin, y + ahead * sin + left * cos, tops], axis=-1)
     behind = ((points - lens.eye) @ lens.ahead < _NEAR).any(axis=1)
     points[behind] = np.nan
     spots = lens.spots(points)
@@ -316,8 +320,8 @@ def _overlap(boxes: Vector, others: Vector) -> Vector:
     return area
 
 
-_CORNERS: Final = np.array([(i, j, k) for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in (0.0, 1.0)]).T
-"""The corners of a box: ahead, left and up, in half lengths, half widths and heights."""
+_CORNERS: Final = np.array([(i, j, k) for i in (-1.0, 0.1, 1.0) for j in (-1.0, 1.0) for k in (0.0, 1.0)]).T
+"""The corners of a body: ahead, left and up, in half lengths, half widths and heights. Its front may be lower."""
 _AROUND: Final = (
     (0.0, 1.0, 0.0), (0.5, 1.0, 0.0), (-0.5, 1.0, 0.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0),
     (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.5, 1.0, 1.0), (-0.5, 1.0, 1.0), (0.0, 1.0, 2.0),

@@ -18,6 +18,7 @@ from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
 from intellwheels_viewer.drawings.label_layout import SCALES, Picture, Placed, Wish, placed
+from intellwheels_viewer.drivers import reality_of
 from intellwheels_viewer.snapshot import USER, Utterance
 
 MANY: Final = 30
@@ -30,9 +31,12 @@ STILL: Final = 0.005
 """Metres per second below which a speed is not shown."""
 
 REAL: Final = "\u25cf real"
-"""What stands behind the name of a real chair."""
+STAND_IN: Final = "\u25cf stand-in"
+"""What stands behind the name of a real chair, and of one whose hardware is simulated."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
+_FEET: Final = 0.5
+"""Share of a chair's height that it has at its front, where the feet are."""
 _NUMBER: Final = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 
 
@@ -111,8 +115,8 @@ def unlabelled(bodies: Mapping[str, Body], entities: Sequence[Entity], tagged: C
 
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
     name = name_of(entity, with_speed=wanted)
-    name = f"{name}  {REAL}" if body.robot.type == "real" else name
-    return _wish(body, entity, "\n".join([*bubbles, name]), alone=wanted or bool(bubbles))
+    mark = {"real": f"  {REAL}", "stand-in": f"  {STAND_IN}", "simulated": ""}[reality_of(body.robot)]
+    return _wish(body, entity, "\n".join([*bubbles, name + mark]), alone=wanted or bool(bubbles))
 
 
 def _wish(body: Body, entity: Entity, text: str, *, alone: bool = False) -> Wish:
@@ -129,6 +133,7 @@ def _wish(body: Body, entity: Entity, text: str, *, alone: bool = False) -> Wish
         alone=alone,
         heading=entity.heading,
         half=(hull.length / 2, hull.width / 2),
+        front=_FEET if body.robot.kind == "wheelchair" else 1.0,
     )
 
 
