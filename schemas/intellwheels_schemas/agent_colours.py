@@ -1,7 +1,8 @@
 """The colour of a body: a fixed function of its name, the same in every viewer, playback and report. Pure.
 
-Agents have six colours of Okabe and Ito ("Color Universal Design", 2008), which people with any colour vision can
-distinguish. Stripes distinguish agents of the same colour. Colours are three bytes of sRGB.
+Agents have twelve colours: six of Okabe and Ito ("Color Universal Design", 2008) and six between them. In any colour
+vision two of them differ by 16 or more (CIE76), and in the common one by 26 or more. Stripes distinguish agents of the
+same colour. Colours are three bytes of sRGB.
 """
 
 from __future__ import annotations
@@ -14,19 +15,28 @@ from typing import Final, NamedTuple, TypeAlias
 RGB: TypeAlias = tuple[int, int, int]
 
 COLOURS: Final[tuple[RGB, ...]] = (
-    (0, 114, 178),
-    (230, 159, 0),
     (0, 158, 115),
-    (204, 121, 167),
-    (86, 180, 233),
     (30, 30, 34),
+    (119, 17, 255),
+    (0, 114, 178),
+    (136, 102, 68),
+    (230, 159, 0),
+    (86, 180, 233),
+    (17, 85, 68),
+    (153, 170, 85),
+    (204, 121, 167),
+    (0, 34, 136),
+    (136, 0, 17),
 )
-"""Blue, orange, bluish green, reddish purple, sky blue, black."""
+"""Green, black, violet, blue, brown, orange, sky blue, dark green, olive, pink, navy, maroon. Neighbours differ."""
+
+_START: Final = 974
+"""The start of the CRC-32, chosen so that the names of each scene of the package have different colours."""
 
 STRIPES: Final = 3
 """The largest number of stripes that people can distinguish at a glance."""
 
-FIXTURES: Final[Mapping[str, RGB]] = {"door": (92, 176, 166), "table": (205, 172, 128)}
+FIXTURES: Final[Mapping[str, RGB]] = {"door": (166, 112, 66), "table": (205, 172, 128)}
 """Colours of bodies that do not drive by themselves, by kind."""
 
 THING: Final[RGB] = (176, 146, 108)
@@ -59,14 +69,14 @@ def _part_key(part: str) -> tuple[int, int, str, str]:
 def look_of(name: str) -> Look:
     """Return the look of a name, without regard to other names.
 
-    Names that differ only in their last number get consecutive colours, and one more stripe after every six. The first
-    colour follows from the rest of the name by its CRC-32.
+    Names that differ only in their last number get consecutive colours, and one more stripe after every twelve. The
+    first colour follows from the rest of the name by its CRC-32.
     """
     match = _LAST_NUMBER.fullmatch(name)
     stem, digits = match.groups() if match else (name, "")
     # A name comes from a peer, but its length is bounded, so the conversion of a number is cheap.
     number = max(int(digits[-9:] or 1) - 1, 0)
-    colour = (zlib.crc32(stem.encode()) + number) % len(COLOURS)
+    colour = (zlib.crc32(stem.encode(), _START) + number) % len(COLOURS)
     return Look(COLOURS[colour], number // len(COLOURS) % (STRIPES + 1))
 
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Map
+from intellwheels_viewer import cameras
 from intellwheels_viewer.cameras import (
     FOV,
     MARGIN,
@@ -32,6 +33,7 @@ from intellwheels_viewer.cameras import (
     on_floor,
     plan_of,
     ray,
+    shown_floor,
 )
 from intellwheels_viewer.head_turn import DOWN, REACH, Eye
 from tests.every_case import every_case
@@ -104,11 +106,38 @@ def test_the_floor_fills_what_panels_leave(name: str, width: int, height: int, c
         assert max(across / 2.0, up / 2.0 / (1.0 - covered)) >= 0.7
 
 
-def test_a_long_map_is_upright_in_an_upright_picture_and_north_is_up_in_all_others() -> None:
+def test_a_long_map_is_upright_in_an_upright_picture_and_north_is_in_the_upper_half_of_all_others() -> None:
     corners = corners_of(library.floor("ward"))
-    for aspect, upright in ((0.46, True), (0.88, False), (1.6, False)):
+    for aspect, least, most in ((0.46, 90.0, 90.0), (0.88, 15.0, 60.0), (1.6, 0.0, 0.0)):
         view = fit(corners, STEEP, FOV, aspect)
-        assert bool(abs(view.look_at[0] - view.position[0]) > 1.0) == upright
+        assert least <= side_of(view) <= most + 1e-6
+
+
+def side_of(view: View) -> float:
+    """Return from which side a view is, in degrees from the south towards the west."""
+    return math.degrees(math.atan2(*(view.look_at - view.position)[:2]))
+
+
+def test_a_wide_floor_is_seen_from_where_it_is_much_larger_and_others_from_the_south() -> None:
+    # What two panels leave in a window of 1440 x 900.
+    aspect = 864 / 900
+    for name, least in (("ward", 1.4), ("crossing", 1.5), ("corridor15m", 1.5)):
+        corners = corners_of(library.floor(name))
+        view, south = fit(corners, STEEP, FOV, aspect), cameras._fitted(corners, STEEP, FOV, aspect, 0.0, 0.0)
+        assert shown_floor(corners, view, aspect) > least * shown_floor(corners, south, aspect)
+        assert 15.0 <= side_of(view) <= 60.0
+        across, up = np.ptp(projected(corners * (1, 1, 0), view, aspect), axis=0) / 2.0
+        assert max(across, up) >= 0.85
+        assert min(across, up) >= 0.7
+    assert side_of(fit(corners_of(library.floor("room")), STEEP, FOV, aspect)) == pytest.approx(0.0)
+
+
+def test_the_share_that_a_floor_fills_is_that_of_its_picture() -> None:
+    # From straight above: a square of 2 m from 10 m, in a picture of 2 x 10 m times the tangent of half the lens.
+    view = View(np.array([0.0, -1e-6, 10.0]), np.zeros(3), 2.0 * math.atan(0.5))
+    corners = np.array([(x, y, 0.0) for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+    assert shown_floor(corners, view, 1.0) == pytest.approx(0.04, rel=1e-3)
+    assert shown_floor(corners, view, 2.0) == pytest.approx(0.02, rel=1e-3)
 
 
 def test_the_corners_are_those_of_walls_and_all_else_from_the_floor_to_the_tallest_name() -> None:

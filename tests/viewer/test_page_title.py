@@ -31,7 +31,11 @@ def test_it_says_what_is_real_and_nothing_where_nothing_is() -> None:
     assert reality(replace(SNAPSHOT, bodies=bodies)) == []
     real = msgspec.structs.replace(bodies["a"].robot, type="real", hardware="simulated")
     bodies["a"] = msgspec.structs.replace(bodies["a"], robot=real)
-    assert reality(replace(SNAPSHOT, bodies=bodies)) == ["1 real on simulated hardware, 1 virtual"]
+    assert reality(replace(SNAPSHOT, bodies=bodies)) == ["1 stand-in for a real chair, 1 virtual"]
+    bodies["b"] = msgspec.structs.replace(bodies["b"], robot=msgspec.structs.replace(bodies["b"].robot, type="real"))
+    assert reality(replace(SNAPSHOT, bodies=bodies)) == ["1 real, 1 stand-in for a real chair"]
+    bodies["b"] = bodies["a"]
+    assert reality(replace(SNAPSHOT, bodies=bodies)) == ["2 stand-ins for real chairs"]
 
 
 def test_the_title_of_a_peer_is_text() -> None:

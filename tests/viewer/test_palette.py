@@ -4,6 +4,7 @@ import itertools
 
 import pytest
 
+from intellwheels_maps import library
 from intellwheels_schemas.agent_colours import COLOURS, FIXTURES, THING, colour_of
 from intellwheels_schemas.messages import Body, Robot
 from intellwheels_viewer import palette
@@ -60,11 +61,26 @@ def test_a_body_has_the_colour_of_its_name_in_whatever_order_bodies_come() -> No
     assert one.rgb("chair1") == Colours().rgb("chair1") == colour_of("chair1")
 
 
-def test_the_seventh_chair_has_the_first_colour_and_a_stripe() -> None:
+def test_the_thirteenth_chair_has_the_first_colour_and_a_stripe() -> None:
     colours = Colours()
-    colours.see({f"a{index}": mover(f"a{index}") for index in range(1, 25)})
-    assert colours.rgb("a7") == colours.rgb("a1")
-    assert [colours.mark(name) for name in ("a6", "a7", "a13", "a24")] == [0, 1, 2, 3]
+    colours.see({f"a{index}": mover(f"a{index}") for index in range(1, 49)})
+    assert colours.rgb("a13") == colours.rgb("a1")
+    assert [colours.mark(name) for name in ("a12", "a13", "a25", "a48")] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("scene", library.names("scenes"))
+def test_bodies_of_a_scene_differ_clearly_in_colour(scene: str) -> None:
+    fixtures = {"door", "table"}
+    names = sorted({cast.name for cast in library.scene(scene).cast if cast.mind not in fixtures})
+    colours = Colours()
+    colours.see({name: mover(name) for name in names})
+    pairs = itertools.combinations((colours.rgb(name) for name in names), 2)
+    assert min((difference(one, other) for one, other in pairs), default=100.0) >= 30.0
+
+
+def test_a_dozen_that_come_together_differ_from_the_next_two_most() -> None:
+    for one, two in itertools.product(range(len(COLOURS)), (1, 2)):
+        assert difference(COLOURS[one], COLOURS[(one + two) % len(COLOURS)]) >= 50.0
 
 
 def test_doors_and_tables_have_the_colour_of_their_kind() -> None:

@@ -32,10 +32,14 @@ STEEP: Final = math.radians(58.0)
 """Angle of the first view below the horizontal."""
 TALLEST: Final = 1.6
 """Height of the tallest body with its label, in metres."""
-MARGIN: Final = 0.06
+MARGIN: Final = 0.03
 """Share of the picture that stays empty at each edge."""
 UPRIGHT: Final = 0.75
 """Width over height of the free part of a picture, below which a long map may be seen from the west (chosen)."""
+ASIDE: Final = tuple(math.radians(degrees) for degrees in (15.0, 30.0, 40.0, 50.0, 60.0))
+"""Angles between south and west from which a wide map may be seen; north stays in the upper half of the picture."""
+WORTH: Final = 1.2
+"""How many times larger a floor must be from another side than from the south (chosen)."""
 SMALLEST: Final = 2.0
 """Metres that a view shows at least, even of an empty map."""
 FAR: Final = 3000.0
@@ -66,9 +70,10 @@ def corners_of(floor: Map) -> Vector:
 
 
 def fit(points: Vector, steep: float, fov: float, aspect: float, covered: float = 0.0) -> View:
-    """Return the nearest view from the south that shows all points at a given angle.
+    """Return a view that shows all points at a given angle, and from its side no nearer one does.
 
-    In an upright picture a long map is seen from the west, if it is larger so.
+    It is from the south, unless the floor is much larger from another side: a wide one from the south-west, and in an
+    upright picture a long one from the west.
 
     Args:
         points: In metres, shape (n, 3).
@@ -77,15 +82,36 @@ def fit(points: Vector, steep: float, fov: float, aspect: float, covered: float 
         aspect: Width of the picture over its height.
         covered: Share of the picture's height that panels cover at its bottom, in [0, 1).
     """
-    south = _fitted(points, steep, fov, aspect, covered, np.array([0.0, 1.0, 0.0]))
-    if aspect >= UPRIGHT * (1.0 - covered):
-        return south
-    west = _fitted(points, steep, fov, aspect, covered, np.array([1.0, 0.0, 0.0]))
-    return min(west, south, key=lambda view: float(view.position[2]))
+    south = _fitted(points, steep, fov, aspect, covered, 0.0)
+    if aspect < UPRIGHT * (1.0 - covered):
+        west = _fitted(points, steep, fov, aspect, covered, math.pi / 2)
+        return min(west, south, key=lambda view: float(view.position[2]))
+    views = [_fitted(points, steep, fov, aspect, covered, angle) for angle in ASIDE]
+    largest = max(views, key=lambda view: shown_floor(points, view, aspect))
+    return largest if shown_floor(points, largest, aspect) >= WORTH * shown_floor(points, south, aspect) else south
 
 
-def _fitted(points: Vector, steep: float, fov: float, aspect: float, covered: float, course: Vector) -> View:
-    """Return the nearest view along a horizontal course, a unit vector, see `fit`."""
+def shown_floor(points: Vector, view: View, aspect: float) -> float:
+    """Return the share of a picture that the floor below points fills, in [0, 1] if all of it is in the picture.
+
+    Args:
+        points: In metres, shape (n, 3); the floor is the rectangle around them.
+        view: The camera.
+        aspect: Width of the picture over its height.
+    """
+    (west, south, _), (east, north, _) = points.min(axis=0), points.max(axis=0)
+    away = np.array([(west, south, 0.0), (east, south, 0.0), (east, north, 0.0), (west, north, 0.0)]) - view.position
+    ahead = (view.look_at - view.position) / np.linalg.norm(view.look_at - view.position)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    x, y = away @ right / (away @ ahead), away @ np.cross(right, ahead) / (away @ ahead)
+    whole = (2.0 * math.tan(view.fov / 2)) ** 2 * aspect
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0 / whole
+
+
+def _fitted(points: Vector, steep: float, fov: float, aspect: float, covered: float, aside: float) -> View:
+    """Return the nearest view from a side, in radians from the south towards the west, see `fit`."""
+    course = np.array([math.sin(aside), math.cos(aside), 0.0])
     vertical = np.array([0.0, 0.0, 1.0])
     ahead = math.cos(steep) * course - math.sin(steep) * vertical
     up = math.sin(steep) * course + math.cos(steep) * vertical
@@ -108,7 +134,10 @@ def _fitted(points: Vector, steep: float, fov: float, aspect: float, covered: fl
 
 def plan_of(points: Vector, aspect: float, covered: float = 0.0) -> View:
     """Return the view from above, 1 mrad off the vertical: exactly vertical would turn the picture."""
-    return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect, covered)
+    flat, steep = points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3
+    upright = aspect < UPRIGHT * (1.0 - covered)
+    views = [_fitted(flat, steep, PLAN_FOV, aspect, covered, side) for side in (0.0, math.pi / 2)[: 1 + upright]]
+    return min(views, key=lambda view: float(view.position[2]))
 
 
 def first_person(entity: Entity, eye: Eye = SEATED, yaw: float = 0.0, pitch: float = 0.0) -> View:

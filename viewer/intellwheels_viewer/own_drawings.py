@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import viser
 
 from intellwheels_viewer.drawings.label_layout import Picture
-from intellwheels_viewer.drawings.labels import Labels, tags
+from intellwheels_viewer.drawings.labels import Labels, tags, unlabelled
 from intellwheels_viewer.drawings.wedges import Wedges
 
 if TYPE_CHECKING:
@@ -73,4 +73,4 @@ class OwnDrawings:
         self._next = now + (OFTEN if len(entities) <= FEW else SELDOM)
         wanted = () if selected is None else (selected,)
         wishes = tags(snapshot.bodies, entities, snapshot.utterances, snapshot.time, wanted)
-        self._labels.show(wishes, picture)
+        self._labels.show(wishes, picture, unlabelled(snapshot.bodies, entities, wishes))

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import html
 import json
+from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 import viser
+
+from intellwheels_viewer.drivers import reality_of
 
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
@@ -26,14 +29,17 @@ def title_of(snapshot: Snapshot) -> str:
 
 
 def reality(snapshot: Snapshot) -> list[str]:
-    """Return how many chairs are real and how many virtual, such as "2 real, 2 virtual"; nothing if none is real."""
-    chairs = [body.robot for body in snapshot.bodies.values() if body.robot.kind == "wheelchair"]
-    real = [robot for robot in chairs if robot.type == "real"]
-    if not real:
+    """Return how many chairs are real, stand-ins and virtual, such as "2 real, 2 virtual"; nothing if all are virtual.
+
+    A stand-in for a real chair joins through a real chair's bridge, but its hardware is simulated.
+    """
+    chairs = Counter(reality_of(body.robot) for body in snapshot.bodies.values() if body.robot.kind == "wheelchair")
+    real, acted, virtual = chairs["real"], chairs["stand-in"], chairs["simulated"]
+    if not real + acted:
         return []
-    simulated = " on simulated hardware" if all(robot.hardware == "simulated" for robot in real) else ""
-    virtual = len(chairs) - len(real)
-    return [f"{len(real)} real{simulated}" + (f", {virtual} virtual" if virtual else "")]
+    stand_ins = f"{acted} stand-ins for real chairs" if acted > 1 else f"{acted} stand-in for a real chair"
+    said = ((real, f"{real} real"), (acted, stand_ins), (virtual, f"{virtual} virtual"))
+    return [", ".join(words for count, words in said if count)]
 
 
 def script(title: str) -> str:

@@ -115,6 +115,14 @@ class Snapshot:
         return self.clock is not None and self.clock.state == "ended" and self.last_tick is None
 
     @property
+    def judged(self) -> float | None:
+        """The simulated seconds at which the end condition of this run was met, if it went on since then."""
+        if self.clock is None or (self.clock.state == "ended" and self.last_tick is None):
+            return None
+        ends = [event.tick for event in self.events if event.code == "ended" and event.run == self.run]
+        return ends[-1] * (self.period or 0.0) if ends and ends[-1] < self.tick else None
+
+    @property
     def stale(self) -> frozenset[str]:
         """The real chairs whose pose is out of date. They are still obstacles."""
         return frozenset(entity.name for entity in self.entities if entity.state == "stale")

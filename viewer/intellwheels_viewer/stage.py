@@ -102,7 +102,7 @@ class Stage:
                 self._has_wedges = wedges
             self._lidars.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents)
             self._contacts.show(snapshot.events, snapshot.tick, snapshot.period or PERIOD)
-            self._goals.show(snapshot.entities, self.colours)
+            self._goals.show(snapshot.entities, self.bodies.documents, self.colours)
             run, at = self._slow_at
             is_due = snapshot.run != run or not at <= snapshot.time < at + SLOW_EVERY
             if labels and (is_due or not many):

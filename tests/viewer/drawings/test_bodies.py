@@ -93,9 +93,9 @@ def test_the_selected_has_the_ring_and_nobody_else(scene: viser.SceneApi) -> Non
 
 
 def test_an_agent_of_a_repeated_colour_has_stripes(scene: viser.SceneApi) -> None:
-    many = {f"a{index}": body("rear-wheel") for index in range(13)}
+    many = {f"a{index}": body("rear-wheel") for index in range(1, 27)}
     Bodies(scene).show(many, [entity(name) for name in many], Colours())
-    assert node(scene, "/bodies/stripes").batched_positions.shape == (6 + 2, 3)
+    assert node(scene, "/bodies/stripes").batched_positions.shape == (12 + 2 * 2, 3)
 
 
 def test_a_crowd_is_drawn_with_few_triangles(scene: viser.SceneApi) -> None:

@@ -74,4 +74,6 @@ def test_an_occupied_chair_has_a_person_and_few_more_triangles(name: str) -> Non
 def test_a_real_chair_has_its_plates_and_a_white_band() -> None:
     real, virtual = chair(robot("intellwheels", type="real")), chair(robot("intellwheels"))
     assert {PLATE, LETTERS} <= real.trim.keys()
+    acted = chair(robot("intellwheels", type="real", hardware="simulated"))
+    assert len(acted.trim[LETTERS].faces) > len(real.trim[LETTERS].faces), "STAND-IN is longer than REAL"
     assert not {PLATE, LETTERS} & virtual.trim.keys()

@@ -6,6 +6,7 @@ import csv
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +17,17 @@ from hypothesis import strategies as st
 
 from intellwheels_maps import library
 from intellwheels_viewer.cameras import FOV, STEEP, corners_of, fit, plan_of
-from intellwheels_viewer.drawings.label_layout import EM, SCALES, Lens, Picture, Placed, Wish, placed, size_of
+from intellwheels_viewer.drawings.label_layout import (
+    EM,
+    SCALES,
+    Lens,
+    Picture,
+    Placed,
+    Wish,
+    body_boxes,
+    placed,
+    size_of,
+)
 
 POSES = Path(__file__).parent / "label_poses.csv"
 """Where the bodies of figure6, of crossing and of 28 chairs in the ward are at each tenth tick, in metres.
@@ -51,15 +62,59 @@ def wish(name: str, x: float = 0.0, y: float = 0.0, *, alone: bool = False, kind
 def test_a_label_with_room_stands_above_its_body() -> None:
     (one,) = placed([wish("a", 1.0, 2.0)], PICTURE)
     assert one.position == pytest.approx((1.0, 2.0, 1.5))
-    spot = Lens(PICTURE).spot(np.array(one.position))
+    spot = Lens(PICTURE).spots(np.array(one.position))
     assert ((one.box[0] + one.box[2]) / 2, one.box[3]) == pytest.approx(tuple(spot))
+
+
+def covers(box: tuple[float, ...], other: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> bool:
+    return bool(
+        box[0] < other[2] - 0.5 and other[0] + 0.5 < box[2] and box[1] < other[3] - 0.5 and other[1] + 0.5 < box[3]
+    )
+
+
+def test_a_label_is_just_clear_of_its_body_from_the_side_and_from_above() -> None:
+    chair = Wish("a", "a", 0.0, 0.0, 1.5, half=(0.6, 0.35), heading=0.4)
+    for eye in ((0.0, -0.02, 20.0), (0.0, -10.0, 10.0), (-8.0, -5.0, 12.0), (-10.0, 0.0, 1.5)):
+        picture = Picture(eye, (0.0, 0.0, 0.5), 0.8, 800.0, 600.0)
+        (one,) = placed([chair], picture)
+        (body,) = body_boxes([chair], Lens(picture))
+        assert not covers(one.box, body)
+        assert one.box[3] == pytest.approx(body[1])
+        assert body[0] < (one.box[0] + one.box[2]) / 2 < body[2]
+
+
+def test_the_front_of_a_chair_is_low_and_its_label_no_farther_than_its_back() -> None:
+    picture = Picture((0.0, -10.0, 14.0), (0.0, 0.0, 0.5), 0.8, 800.0, 600.0)
+    away = Wish("a", "a", 0.0, 0.0, 1.5, half=(0.6, 0.35), heading=math.pi / 2)
+    (low,) = placed([replace(away, front=0.5)], picture)
+    (high,) = placed([away], picture)
+    assert low.box[3] > high.box[3] + 5.0
+
+
+def test_a_label_with_no_room_above_stands_beside_its_body() -> None:
+    chair = Wish("a", "a", 0.0, 0.0, 1.5, half=(0.6, 0.35))
+    behind = Wish("table", "", 0.0, 2.2, 1.2, half=(2.0, 0.8))
+    picture = Picture((0.0, -10.0, 10.0), (0.0, 0.0, 0.0), 0.8, 800.0, 600.0)
+    (one,) = placed([chair, behind], picture)  # a table has no label of its own
+    boxes = body_boxes([chair, behind], Lens(picture))
+    assert not any(covers(one.box, box) for box in boxes)
+    assert 0.0 < max(boxes[0][0] - one.box[2], one.box[0] - boxes[0][2]) < 3.0
+
+
+def test_a_label_stays_in_the_picture() -> None:
+    chair = Wish("a", "a", 0.0, 9.8, 1.5, half=(0.6, 0.35))
+    picture = Picture((0.0, -10.0, 10.0), (0.0, 0.0, 0.0), 0.8, 800.0, 600.0)
+    (one,) = placed([chair], picture)
+    (body,) = body_boxes([chair], Lens(picture))
+    assert body[1] < one.box[3] - one.box[1]  # above it a label would be cut
+    assert one.box[1] >= 0.0
 
 
 def test_in_a_picture_from_above_a_label_is_beside_its_body_and_in_others_above_it() -> None:
     for eye, least, most in (((0.0, -0.02, 20.0), 20.0, 60.0), ((-10.0, 0.0, 1.5), -1.0, 1.0)):
         picture = Picture(eye, (0.0, 0.0, 1.5), 0.8, 800.0, 600.0)
         (one,) = placed([Wish("a", "a", 0.0, 0.0, 1.5, half=(1.0, 0.5), heading=math.pi / 2)], picture)
-        assert least < Lens(picture).spot(np.array([0.0, 0.0, 1.5]))[1] - one.box[3] < most
+        assert least < Lens(picture).spots(np.array([0.0, 0.0, 1.5]))[1] - one.box[3] < most
 
 
 def test_from_above_no_label_covers_a_body_that_it_can_avoid() -> None:
@@ -73,7 +128,7 @@ def test_from_above_no_label_covers_a_body_that_it_can_avoid() -> None:
     assert len(found) == 9
     reach = 0.3 * lens.focal / 20.0
     for one, wish in itertools.product(found, wishes):
-        x, y = lens.spot(np.array((wish.x, wish.y, wish.z / 2)))
+        x, y = lens.spots(np.array((wish.x, wish.y, wish.z / 2)))
         left, top, right, bottom = one.box
         assert not (left < x + reach and x - reach < right and top < y + reach and y - reach < bottom)
 
@@ -92,11 +147,11 @@ def test_two_that_would_overlap_move_apart_and_stay_near() -> None:
     assert overlapping(found) == []
     for one in found:
         x = (one.box[0] + one.box[2]) / 2
-        spot = Lens(PICTURE).spot(np.array([0.3 if one.text == "chair2" else 0.0, 0.0, 1.5]))
+        spot = Lens(PICTURE).spots(np.array([0.3 if one.text == "chair2" else 0.0, 0.0, 1.5]))
         assert abs(x - spot[0]) < 60
         assert abs(one.box[3] - spot[1]) < 60
         # Where it is in the scene is where its box is in the picture.
-        assert tuple(Lens(PICTURE).spot(np.array(one.position))) == pytest.approx((x, one.box[3]))
+        assert tuple(Lens(PICTURE).spots(np.array(one.position))) == pytest.approx((x, one.box[3]))
 
 
 def test_a_crowd_in_one_place_is_one_label_with_its_number() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.label_layout import Picture
-from intellwheels_viewer.drawings.labels import REAL, Labels, cut, is_data, name_of, tags
+from intellwheels_viewer.drawings.labels import REAL, STAND_IN, Labels, cut, is_data, name_of, tags, unlabelled
 from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.drawings.cast import body, entity, node
 
@@ -37,6 +37,17 @@ def test_the_name_of_a_real_chair_says_so() -> None:
     cast = {"a": body("rear-wheel", type="real"), "b": body("rear-wheel")}
     shown = tags(cast, [entity("a"), entity("b")], (), 0.0, ())
     assert (shown["a"].text, shown["b"].text) == (f"a  {REAL}", "b")
+    cast["a"] = body("rear-wheel", type="real", hardware="simulated")
+    assert tags(cast, [entity("a")], (), 0.0, ())["a"].text == f"a  {STAND_IN}"
+
+
+def test_bodies_without_a_label_are_there_for_the_layout_unless_there_are_many() -> None:
+    entities = [entity("a", 1.0, 2.0), entity("table", 3.0), entity("door")]
+    shown = tags(CAST, entities, (), 0.0, ())
+    others = unlabelled(CAST, entities, shown)
+    assert [(other.name, other.text) for other in others] == [("table", ""), ("door", "")]
+    assert max(others[0].half) > 0.3
+    assert unlabelled(CAST, [entity("table")] * 31, ()) == []
 
 
 def test_words_stand_over_the_name_for_three_seconds() -> None:

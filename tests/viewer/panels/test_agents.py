@@ -27,8 +27,21 @@ def test_a_row_has_all_that_is_known_of_an_agent() -> None:
     assert all(
         word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", css(colour_of("chair2")))
     )
-    assert all(word in row(page, "chair3") for word in ("simulated", "touching", ">12<", "iw-red"))
-    assert "taken over" in row(page, "chair5")
+    assert all(word in row(page, "chair3") for word in ("driven by a program", "touching", ">12<", "iw-red"))
+    assert "driven by an operator who took it over" in row(page, "chair5")
+
+
+def test_who_drives_a_chair_is_said_in_its_row_and_in_full_where_the_row_is_cut() -> None:
+    page = agents_html(made_up.snapshot(), replace(made_up.choices(), driven="chair6"))
+    assert "driven by a program, \u201cavoid\u201d</div>" in row(page, "chair1")
+    assert 'title="real, driven by a program, \u201cfollow-wall\u201d, stale: no recent pose"' in row(page, "chair2")
+    assert "driven by you, in this page" in row(page, "chair6")
+
+
+def test_what_the_columns_mean_is_said() -> None:
+    page = agents_html(made_up.snapshot(), made_up.choices())
+    assert "red below 0.5 m" in page
+    assert 'title="The smallest range that its sensors measure now."' in page
 
 
 def test_the_selected_row_is_marked_and_no_other() -> None:
@@ -44,8 +57,8 @@ def test_agents_come_before_what_an_operator_put_there() -> None:
 
 def test_age_of_the_commands_of_a_slow_agent_is_said() -> None:
     slow = Entity(name="a", x=0, y=0, heading=0, mode="drive", command_age=0.061)
-    assert words(slow, None) == "drive, commands 0.06 s old"
-    assert words(msgspec.structs.replace(slow, command_age=0.0), None) == "drive"
+    assert words(slow, None) == "\u201cdrive\u201d, commands 0.06 s old"
+    assert words(msgspec.structs.replace(slow, command_age=0.0), None) == "\u201cdrive\u201d"
 
 
 def test_no_agents_are_said_in_words() -> None:
@@ -92,7 +105,7 @@ def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> Non
     body = snapshot.bodies["chair1"]
     robot = msgspec.structs.replace(body.robot, instance="a" * 16)
     nobodys = msgspec.structs.replace(body, owner=None, robot=robot)
-    assert words(snapshot.entities[0], nobodys).startswith(("simulated", "real"))
+    assert words(snapshot.entities[0], nobodys).startswith("driven by a program")
 
 
 def test_agents_are_in_natural_order() -> None:

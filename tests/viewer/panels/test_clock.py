@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import pytest
 import viser
 
-from intellwheels_schemas.messages import Identity, May
+from intellwheels_schemas.messages import Event, Identity, May
 from intellwheels_viewer.page_rights import PageRights
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel, clock_html
@@ -30,7 +31,17 @@ def panel(gui: viser.GuiApi, calls: Calls) -> ClockPanel:
 
 def test_a_run_shows_time_tick_factor_and_late_ticks() -> None:
     page = clock_html(at("running"))
-    assert all(word in page for word in ("Running", ">84.35<", ">1687<", ">1.00<", "3 late ticks", "in real time"))
+    assert all(
+        word in page
+        for word in (
+            "Running",
+            ">84.35<",
+            ">1687<",
+            ">1.00<",
+            "in real time, 3 ticks began late",
+            "because the machine is busy",
+        )
+    )
 
 
 @pytest.mark.parametrize("state", ["paused", "waiting", "ended"])
@@ -45,8 +56,8 @@ def test_who_is_waited_for_is_named_but_not_all() -> None:
 
 
 def test_one_late_tick_and_none_are_written_as_spoken() -> None:
-    assert "1 late tick," in clock_html(at("running", late=1))
-    assert "no late ticks" in clock_html(at("running", late=0))
+    assert "1 tick began late" in clock_html(at("running", late=1))
+    assert "no tick began late" in clock_html(at("running", late=0))
 
 
 def test_busy_simulator_says_so_and_whose_sensors_cost_most() -> None:
@@ -146,6 +157,22 @@ def test_a_run_that_is_over_offers_to_run_again(gui: viser.GuiApi, calls: Calls)
     shown.show(replace(at("ended"), last_tick=3400), Choices())
     assert not shown._again.visible
     assert "The run is over" not in clock_html(replace(at("ended"), last_tick=3400))
+
+
+def test_a_run_that_went_on_after_its_end_says_when_that_was() -> None:
+    ended = Event(run=made_up.RUN, tick=1500, number=20, code="ended")
+    beyond = replace(at("running"), events=(*made_up.events(), ended))
+    assert beyond.judged == pytest.approx(75.0)
+    page = clock_html(beyond)
+    assert "Running" in page
+    assert "The end condition was met at 75.00 s. The world has gone on since then." in page
+    assert "gone on" not in clock_html(at("running"))
+    # A run that has just ended stands still, and the event of another run is not of this one.
+    over = replace(at("ended"), events=(msgspec.structs.replace(ended, tick=made_up.TICK),))
+    assert over.judged is None
+    assert "stands still; speeds are its last ones" in clock_html(over)
+    other = replace(at("running"), events=(msgspec.structs.replace(ended, run="0" * 16),))
+    assert other.judged is None
 
 
 def test_awaited_agents_are_in_natural_order() -> None:

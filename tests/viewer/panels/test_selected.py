@@ -18,9 +18,11 @@ def test_nobody_selected_and_somebody_gone_are_said_in_words() -> None:
     assert "ghost has left" in head_html(made_up.snapshot(), Choices(selected="ghost"))
 
 
-def test_head_says_how_it_moves_and_where_to() -> None:
+def test_head_says_how_it_moves_who_drives_it_and_where_to() -> None:
     page = head_html(made_up.snapshot(), made_up.choices())
-    assert all(word in page for word in ("chair1", "simulated, avoid", ">0.16<", ">18<", "goal 3.25, 1.50"))
+    assert "driven by a program, \u201cavoid\u201d" in page
+    assert all(word in page for word in ("chair1", ">0.16<", ">18<", "goal 3.25, 1.50"))
+    assert "real chair, driven by a program" in head_html(made_up.snapshot(), Choices(selected="chair2"))
 
 
 def test_sensors_are_rows_under_captions_with_their_units() -> None:

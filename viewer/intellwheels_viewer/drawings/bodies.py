@@ -143,11 +143,15 @@ class Bodies:
         scene: The shared scene, or that of one browser.
         name: The parent of the nodes.
         cut: The height at which doors are cut, as walls are; None for full height.
+
+    Attributes:
+        documents: What was last shown of each body, by agent.
     """
 
     def __init__(self, scene: viser.SceneApi, *, name: str = "/bodies", cut: float | None = HALF_HEIGHT) -> None:
         self._scene, self._name, self._cut = scene, name, cut
         self._documents = BodyDocuments()
+        self.documents: Mapping[str, BodyDocument] = {}
         self._looks: dict[int, _Look] = {}
         self._clickable: list[InstanceBatch] = []
         self._picks: list[OnPick] = []
@@ -199,7 +203,7 @@ class Bodies:
         """
         colours.see(bodies)
         crowd = len(entities) > CROWD
-        documents = self._documents.of(bodies, crowd=crowd)
+        documents = self.documents = self._documents.of(bodies, crowd=crowd)
         groups = grouped(documents, entities)
         for number, group in groups.items():
             look = self._look(number, documents[group[0].name], crowd=crowd)

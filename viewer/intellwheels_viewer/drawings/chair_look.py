@@ -15,6 +15,7 @@ from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height
 from intellwheels_viewer.drawings.furniture import Painted, merged
 from intellwheels_viewer.drawings.occupant import occupant
 from intellwheels_viewer.drawings.solids import Point, Solid, ball, both, box, hoop, join, loft, pipe, rod, slab
+from intellwheels_viewer.drivers import reality_of
 
 _LEAN = math.radians(9.0)
 
@@ -23,13 +24,14 @@ def chair(robot: Robot, *, crowd: bool = False, occupied: bool = False) -> BodyL
     """Return the look of a wheelchair; in a crowd it has at most 600 triangles.
 
     Args:
-        robot: The document. A real chair has a white band and plates that say so.
+        robot: The document. A real chair, or a stand-in for one, has a white band and plates that say so.
         crowd: Whether it is one of many.
         occupied: Whether somebody sits in it.
     """
     frame = frame_of(robot)
     shirt, person = occupant(frame, crowd=crowd) if occupied else (Solid(), {})
-    more = merged(person, _finish(frame) if robot.type == "real" else {})
+    word = real_badge.WORDS[reality_of(robot)]
+    more = merged(person, _finish(frame, word) if word else {})
     stripe = (frame.rear + 0.42 * (frame.front - frame.rear), frame.seat + 0.012, 0.6 * frame.wide)
     if crowd:
         return BodyLook(_plain_paint(frame) + shirt, _plain_dark(frame), more=more, stripe=stripe)
@@ -39,16 +41,16 @@ def chair(robot: Robot, *, crowd: bool = False, occupied: bool = False) -> BodyL
     return BodyLook(paint, dark, light, more=more, stripe=stripe)
 
 
-def _finish(frame: Frame) -> Painted:
+def _finish(frame: Frame, word: str) -> Painted:
     """Return what only a real chair has: a white band around its back and its side boards, and its plates."""
     x = frame.rear + 0.065 + math.tan(_LEAN) * (frame.back - frame.seat)
-    flat = real_badge.upright(x - 0.034, (frame.seat + frame.back) / 2, 0.8 * min(frame.wide, 0.46))
+    flat = real_badge.upright(x - 0.034, (frame.seat + frame.back) / 2, 0.8 * min(frame.wide, 0.46), word)
     plates = {rgb: each.leaning(_LEAN, x, frame.seat) for rgb, each in flat.items()}
     band = _upright(frame, frame.wide - 0.06, frame.back - 0.10, frame.back - 0.04, 0.075, 0.065)
     start, end = arm_ends(frame)
     y, z = frame.wide / 2 - 0.02, frame.seat - 0.005
     side = both(box(start + 0.03, end - 0.04, y, y + 0.004, z, z + 0.035))
-    return merged(plates, {real_badge.LETTERS: band + side}, real_badge.on_floor(frame.hull))
+    return merged(plates, {real_badge.LETTERS: band + side}, real_badge.on_floor(frame.hull, word))
 
 
 # ---------------------------------------------------------------- seat

@@ -1,8 +1,8 @@
-"""Where the labels of a picture stand, so that no two overlap. Pure.
+"""Where the labels of a picture stand: none overlaps another, and none covers a body while there is room. Pure.
 
-A label stands above its body. If another label is there already, or a body that is seen from above, it moves up or to a
-side. If there is no room between the other labels, it joins the nearest one, and both become one label with the number
-of their bodies. Far labels are a little smaller.
+A label stands just above its body. If another label or a body is there, it stands beside or below its body, or a little
+farther up. If there is no room between the other labels, it joins the nearest one, and both become one label with the
+number of their bodies. Far labels are a little smaller.
 Lengths are CSS pixels, except for positions in the scene.
 """
 
@@ -32,9 +32,9 @@ _PADDING: Final = 0.2
 _NARROW: Final = frozenset("iljtfr.,:;'!|()[] 1-")
 _WIDE: Final = frozenset("mwMW@%")
 _HIGHEST: Final = 60
-"""Steps by which the label of a selected or speaking body can move up; it never joins another."""
-_ABOVE: Final = 0.7
-"""Least sine of the angle by which a picture from above looks down."""
+"""Half heights by which the label of a selected or speaking body can move up; it never joins another."""
+_OUTSIDE: Final = 0.5
+"""A spot partly outside the picture is as bad as half a covered body."""
 _NEAR: Final = 0.2  # m; nearer than this to the camera a body has no label
 
 
@@ -54,13 +54,13 @@ class Wish:
 
     Attributes:
         name: Its body.
-        text: Its lines.
-        x, y, z: Where the middle of its lower edge should be, in metres: above the middle of the body.
+        text: Its lines; empty for a body that has no label and is not to be covered.
+        x, y, z: The point above the middle of the body where a label is just clear of its top, in metres.
         kind: The kind of body, see `NOUNS`.
         alone: Whether it must not join another.
         heading: That of the body, in radians.
-        half: Half the length and half the width of the body, in metres. In a picture from above, a label is beyond the
-            upper edge of its body, and covers no other body if that can be avoided.
+        half: Half the length and half the width of the body, in metres.
+        front: Share of its height that it has at its front, such as at the feet of who sits in a chair.
     """
 
     name: str
@@ -72,14 +72,7 @@ class Wish:
     alone: bool = False
     heading: float = 0.0
     half: tuple[float, float] = (0.0, 0.0)
-
-    def extent(self, course: Vector) -> float:
-        """Return how far the body extends from its middle along a horizontal course, in metres; 0 without a course."""
-        length = float(np.hypot(course[0], course[1]))
-        if length < 1e-9:
-            return 0.0
-        turn = math.atan2(course[1], course[0]) - self.heading
-        return self.half[0] * abs(math.cos(turn)) + self.half[1] * abs(math.sin(turn))
+    front: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -103,17 +96,25 @@ class Placed:
 
 @dataclass
 class _Group:
-    """Labels that are one."""
+    """Labels that are one.
+
+    Attributes:
+        members: What they are of.
+        at: The point above the middle of the body, or of all bodies, in metres.
+        spot: Where that is in the picture.
+        body: The box of the body in the picture, or the mean box of all: left, top, right, bottom.
+        scale: Its size, see `EM`.
+        spots: The boxes where it may stand, the best first, shape (n, 4).
+        box: The one where it stands.
+    """
 
     members: list[Wish]
     at: Vector
     spot: Vector
+    body: Vector
     scale: float
-    moved: tuple[int, int] = (0, 0)
-    size: tuple[float, float] = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.size = size_of(self.text, self.scale)
+    spots: Vector = field(init=False)
+    box: Vector = field(init=False)
 
     @property
     def alone(self) -> bool:
@@ -126,12 +127,6 @@ class _Group:
         kinds = {wish.kind for wish in self.members}
         noun = NOUNS.get(kinds.pop(), "bodies") if len(kinds) == 1 else "bodies"
         return f"{len(self.members)} {noun}"
-
-    def box(self, step: tuple[int, int]) -> Vector:
-        wide, high = self.size
-        x = self.spot[0] + step[0] * (wide / 2 + GAP)
-        y = self.spot[1] - step[1] * (high / 2 + GAP)
-        return np.array([x - wide / 2, y - high, x + wide / 2, y])
 
 
 def size_of(text: str, scale: float) -> tuple[float, float]:
@@ -168,11 +163,12 @@ class Lens:
         """Return how far ahead of the camera a point is, in metres."""
         return float((point - self.eye) @ self.ahead)
 
-    def spot(self, point: Vector) -> Vector:
-        """Return where a point ahead of the camera is, in px from the left and from the top."""
-        away = point - self.eye
-        depth = float(away @ self.ahead)
-        return self.middle + self.focal / depth * np.array([away @ self.right, -(away @ self.up)])
+    def spots(self, points: Vector) -> Vector:
+        """Return where points ahead of the camera are, in px from the left and from the top, shape (..., 2)."""
+        away = points - self.eye
+        away = away @ np.column_stack([self.right, -self.up, self.ahead])
+        spots: Vector = self.middle + self.focal * away[..., :2] / away[..., 2:]
+        return spots
 
     def moved(self, point: Vector, right: float, down: float) -> Vector:
         """Return the point that is so many px from a point in the picture, at the same depth."""
@@ -193,99 +189,147 @@ def placed(wishes: Sequence[Wish], picture: Picture) -> list[Placed]:
             group.text,
             _position(group, lens),
             group.scale,
-            tuple(group.box(group.moved).tolist()),
+            tuple(group.box.tolist()),
         )
         for group in _arranged(wishes, lens, picture)
     ]
 
 
 def _position(group: _Group, lens: Lens) -> tuple[float, float, float]:
-    left, _, right, bottom = group.box(group.moved)
+    left, _, right, bottom = group.box
     x, y, z = lens.moved(group.at, (left + right) / 2 - group.spot[0], bottom - group.spot[1])
     return float(x), float(y), float(z)
 
 
+def body_boxes(wishes: Sequence[Wish], lens: Lens) -> Vector:
+    """Return the boxes of bodies in the picture: left, top, right, bottom in px, shape (n, 4).
+
+    NaN for a body that is not whole ahead of the camera.
+    """
+    if not wishes:
+        return np.empty((0, 4))
+    columns = np.array([(w.x, w.y, w.z, w.heading, *w.half, w.front) for w in wishes]).T[..., None]
+    x, y, z, heading, length, width, front = columns
+    cos, sin = np.cos(heading), np.sin(heading)
+    ahead, left = length * _CORNERS[0], width * _CORNERS[1]
+    tops = z * _CORNERS[2] * np.where(_CORNERS[0] == 1.0, front, 1.0)
+    points = np.stack([x + ahead * cos - left * sin, y + ahead * sin + left * cos, tops], axis=-1)
+    behind = ((points - lens.eye) @ lens.ahead < _NEAR).any(axis=1)
+    points[behind] = np.nan
+    spots = lens.spots(points)
+    return np.column_stack([spots.min(axis=1), spots.max(axis=1)])
+
+
 def _arranged(wishes: Sequence[Wish], lens: Lens, picture: Picture) -> list[_Group]:
-    groups = [group for wish in wishes if (group := _group([wish], lens, picture)) is not None]
-    bodies = _bodies([group.members[0] for group in groups], lens)
+    boxes = body_boxes(wishes, lens)
+    groups = [
+        group
+        for wish, box in zip(wishes, boxes, strict=True)
+        if wish.text and (group := _group([wish], box, lens, picture)) is not None
+    ]
+    bodies = boxes[np.isfinite(boxes).all(axis=1)]
+    _offer_spots([group for group in groups if group.alone], _AROUND + _TOWER, bodies, picture)
+    _offer_spots([group for group in groups if not group.alone], _AROUND, bodies, picture)
     # Labels that stay alone come first, and the order does not change while the bodies move.
     groups.sort(key=lambda group: not group.alone)
-    while (lonely := _unplaced(groups, bodies)) is not None:
+    while (lonely := _unplaced(groups)) is not None:
         others = [group for group in groups if group is not lonely and not group.alone]
         if not others:
             groups.remove(lonely)  # there is room for the labels of the selected and the speaking only
             continue
         nearest = min(others, key=lambda group: float(np.hypot(*(group.spot - lonely.spot))))
-        joined = _group([*nearest.members, *lonely.members], lens, picture)
+        counts = [len(nearest.members), len(lonely.members)]
+        middle: Vector = np.average([nearest.body, lonely.body], axis=0, weights=counts)
+        joined = _group([*nearest.members, *lonely.members], middle, lens, picture)
         groups = [group for group in groups if group is not lonely and group is not nearest]
         if joined is not None:
+            _offer_spots([joined], _AROUND, bodies, picture)
             groups.append(joined)
     return groups
 
 
-def _group(members: list[Wish], lens: Lens, picture: Picture) -> _Group | None:
+def _group(members: list[Wish], body: Vector, lens: Lens, picture: Picture) -> _Group | None:
     """Return labels as one, or None outside the picture."""
-    above = lens.up * (1.0, 1.0, 0.0)
-    at = np.mean([np.array((wish.x, wish.y, wish.z)) + wish.extent(above) * above for wish in members], axis=0)
+    at: Vector = np.mean([(wish.x, wish.y, wish.z) for wish in members], axis=0)
     depth = lens.depth(at)
     if depth < _NEAR:
         return None
-    spot = lens.spot(at)
+    spot = lens.spots(at)
     if not (0.0 <= spot[0] <= picture.width and 0.0 <= spot[1] <= picture.height):
         return None
+    if not np.isfinite(body).all():
+        body = np.concatenate([spot, spot])
     metre = lens.focal / depth
-    return _Group(members, at, spot, next(scale for least, scale in SCALES if metre >= least))
+    return _Group(members, at, spot, body, next(scale for least, scale in SCALES if metre >= least))
 
 
-def _bodies(wishes: Sequence[Wish], lens: Lens) -> Vector:
-    """Return the boxes of bodies in a picture from above, in px, shape (n, 4); none in a picture from the side."""
-    tilt = -float(lens.ahead[2])
-    if tilt < _ABOVE:
-        return np.empty((0, 4))
-    found = []
-    for wish in wishes:
-        at = np.array((wish.x, wish.y, wish.z / 2))
-        depth = lens.depth(at)
-        if depth > _NEAR:
-            x, y = lens.spot(at)
-            wide, high = np.array((wish.extent(lens.right), tilt * wish.extent(lens.up))) * lens.focal / depth
-            found.append((x - wide, y - high, x + wide, y + high))
-    return np.array(found).reshape(-1, 4)
+def _offer_spots(
+    groups: Sequence[_Group], places: Sequence[tuple[float, float, float]], bodies: Vector, picture: Picture
+) -> None:
+    """Give groups the boxes where they may stand: those that cover the least of bodies first, then as in the places."""
+    if not groups:
+        return
+    wide, high = np.array([size_of(group.text, group.scale) for group in groups]).T[..., None]
+    left, top, right, bottom = np.array([group.body for group in groups]).T[..., None]
+    side, up, more = np.array(places).T
+    middle = np.clip(np.array([group.spot[:1] for group in groups]), left, right)
+    x = middle + side * (np.where(side > 0.0, right - middle, middle - left) + wide / 2 + GAP)
+    y = (top + bottom) / 2 - up * (bottom - top + high) / 2 - np.copysign(more, up) * (high / 2 + GAP)
+    spots = np.stack([x - wide / 2, y - high / 2, x + wide / 2, y + high / 2], axis=-1)
+    area = wide * high
+    covered = _overlap(spots, bodies).sum(axis=-1) / area
+    covered += _OUTSIDE * (1.0 - _overlap(spots, np.array([(0.0, 0.0, picture.width, picture.height)]))[..., 0] / area)
+    # Rounding of sums must not decide.
+    order = np.argsort(np.round(covered, 3), axis=-1, kind="stable")
+    for group, own, best in zip(groups, spots, order, strict=True):
+        group.spots = own[best]
 
 
-def _unplaced(groups: Sequence[_Group], bodies: Vector) -> _Group | None:
+def _unplaced(groups: Sequence[_Group]) -> _Group | None:
     """Place the groups one after the other, and return the first for which there is no room; None if there is none."""
     taken = np.empty((len(groups), 4))
     for count, group in enumerate(groups):
-        others = taken[:count]
-        free: tuple[int, int] | None = None
-        for step in (*_STEPS, *_TOWER) if group.alone else _STEPS:
-            box = group.box(step)
-            if not _is_free(box, others):
-                continue
-            covers = not _is_free(box, bodies)
-            if free is None or not covers:
-                free = step
-            if not covers:
-                break
-        if free is None:
-            return group
-        group.moved = free
-        taken[count] = group.box(group.moved)
+        best = 0
+        if not _apart(group.spots[:1], taken[:count])[0]:  # most often the best one is free
+            free = _apart(group.spots, taken[:count])
+            best = int(free.argmax())
+            if not free[best]:
+                return group
+        group.box = taken[count] = group.spots[best]
     return None
 
 
-def _is_free(box: Vector, others: Vector) -> bool:
+def _apart(boxes: Vector, others: Vector) -> npt.NDArray[np.bool_]:
+    """Return which boxes keep a gap to all others, shape (n,)."""
+    left, top, right, bottom = boxes.T[..., None]
     apart = (
-        (others[:, 0] >= box[2] + GAP)
-        | (others[:, 2] <= box[0] - GAP)
-        | (others[:, 1] >= box[3] + GAP)
-        | (others[:, 3] <= box[1] - GAP)
+        (others[:, 0] >= right + GAP)
+        | (others[:, 2] <= left - GAP)
+        | (others[:, 1] >= bottom + GAP)
+        | (others[:, 3] <= top - GAP)
     )
-    return bool(apart.all())
+    return np.asarray(apart.all(axis=1))
 
 
-_STEPS: Final = ((0, 0), (0, 1), (0, 2), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, 2), (-1, 2), (0, 3), (0, 4))
-"""Where a label may stand, in half widths to the right and half heights up. It is never far from its body."""
-_TOWER: Final = tuple((0, step) for step in range(5, _HIGHEST))
+def _overlap(boxes: Vector, others: Vector) -> Vector:
+    """Return the areas that boxes (..., 4) have in common with others (m, 4), shape (..., m)."""
+    boxes = boxes[..., None, :]
+    wide = np.minimum(boxes[..., 2], others[:, 2]) - np.maximum(boxes[..., 0], others[:, 0])
+    high = np.minimum(boxes[..., 3], others[:, 3]) - np.maximum(boxes[..., 1], others[:, 1])
+    area: Vector = np.maximum(wide, 0.0) * np.maximum(high, 0.0)
+    return area
+
+
+_CORNERS: Final = np.array([(i, j, k) for i in (-1.0, 0.1, 1.0) for j in (-1.0, 1.0) for k in (0.0, 1.0)]).T
+"""The corners of a body: ahead, left and up, in half lengths, half widths and heights. Its front may be lower."""
+_AROUND: Final = (
+    (0.0, 1.0, 0.0), (0.5, 1.0, 0.0), (-0.5, 1.0, 0.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0),
+    (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.5, 1.0, 1.0), (-0.5, 1.0, 1.0), (0.0, 1.0, 2.0),
+    (1.0, -1.0, 0.0), (-1.0, -1.0, 0.0), (0.5, -1.0, 0.0), (-0.5, -1.0, 0.0), (0.0, -1.0, 1.0), (0.5, 1.0, 2.0),
+    (-0.5, 1.0, 2.0), (1.4, 0.0, 0.0), (-1.4, 0.0, 0.0), (1.0, 1.0, 2.0), (-1.0, 1.0, 2.0), (0.0, 1.0, 3.0),
+    (0.0, 1.0, 4.0),
+)  # fmt: skip
+"""Where a label may stand: how far to a side, from the middle of its body at 0 to just beside it at 1; how far up, from
+just below it at -1 to just above it at 1; and half heights farther up or down."""
+_TOWER: Final = tuple((0.0, 1.0, float(step)) for step in range(5, _HIGHEST))
 """Where the label of a selected or speaking body may stand too."""

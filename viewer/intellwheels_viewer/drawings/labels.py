@@ -18,6 +18,7 @@ from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
 from intellwheels_viewer.drawings.label_layout import SCALES, Picture, Placed, Wish, placed
+from intellwheels_viewer.drivers import reality_of
 from intellwheels_viewer.snapshot import USER, Utterance
 
 MANY: Final = 30
@@ -30,9 +31,12 @@ STILL: Final = 0.005
 """Metres per second below which a speed is not shown."""
 
 REAL: Final = "\u25cf real"
-"""What stands behind the name of a real chair."""
+STAND_IN: Final = "\u25cf stand-in"
+"""What stands behind the name of a real chair, and of one whose hardware is simulated."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
+_FEET: Final = 0.5
+"""Share of a chair's height that it has at its front, where the feet are."""
 _NUMBER: Final = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 
 
@@ -102,22 +106,34 @@ def tags(
     }
 
 
+def unlabelled(bodies: Mapping[str, Body], entities: Sequence[Entity], tagged: Collection[str]) -> list[Wish]:
+    """Return the bodies without a label, which the labels of others should not cover; none if there are many."""
+    if len(entities) > MANY:
+        return []
+    return [_wish(bodies[e.name], e, "") for e in entities if e.name in bodies and e.name not in tagged]
+
+
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
-    hull = extent(parts_of(body.robot))
     name = name_of(entity, with_speed=wanted)
-    name = f"{name}  {REAL}" if body.robot.type == "real" else name
+    mark = {"real": f"  {REAL}", "stand-in": f"  {STAND_IN}", "simulated": ""}[reality_of(body.robot)]
+    return _wish(body, entity, "\n".join([*bubbles, name + mark]), alone=wanted or bool(bubbles))
+
+
+def _wish(body: Body, entity: Entity, text: str, *, alone: bool = False) -> Wish:
+    hull = extent(parts_of(body.robot))
     ahead, left = (hull.rear + hull.front) / 2, (hull.right + hull.left) / 2
     cos, sin = math.cos(entity.heading), math.sin(entity.heading)
     return Wish(
         entity.name,
-        "\n".join([*bubbles, name]),
+        text,
         entity.x + ahead * cos - left * sin,
         entity.y + ahead * sin + left * cos,
         hull.top + ABOVE,
         body.robot.kind,
-        alone=wanted or bool(bubbles),
+        alone=alone,
         heading=entity.heading,
         half=(hull.length / 2, hull.width / 2),
+        front=_FEET if body.robot.kind == "wheelchair" else 1.0,
     )
 
 
@@ -134,8 +150,14 @@ class Labels:
         self._nodes: dict[str, viser.LabelHandle] = {}
         self._shown: dict[str, Placed] = {}
 
-    def show(self, wishes: Mapping[str, Wish], picture: Picture | None) -> None:
-        """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body."""
+    def show(self, wishes: Mapping[str, Wish], picture: Picture | None, others: Sequence[Wish] = ()) -> None:
+        """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body.
+
+        Args:
+            wishes: The labels.
+            picture: The camera.
+            others: Bodies without a label, see `unlabelled`.
+        """
         if picture is None:
             found = [
                 Placed(
@@ -148,7 +170,7 @@ class Labels:
                 for wish in wishes.values()
             ]
         else:
-            found = placed([*wishes.values()], picture)
+            found = placed([*wishes.values(), *others], picture)
         shown = {one.names[0]: one for one in found}
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False

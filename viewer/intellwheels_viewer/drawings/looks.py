@@ -14,10 +14,11 @@ from intellwheels_viewer.drawings.door_look import door
 from intellwheels_viewer.drawings.person_look import person
 from intellwheels_viewer.drawings.plain_look import plain
 from intellwheels_viewer.drawings.table_look import table
+from intellwheels_viewer.drivers import Reality, reality_of
 
-Shape: TypeAlias = tuple[str, tuple[Part, ...], float, float, bool, bool, bool, bool, bool]
-"""The properties that decide a look: kind, parts, track, wheel diameter, has motors, is anchored, is real, is one of a
-crowd, is occupied."""
+Shape: TypeAlias = tuple[str, tuple[Part, ...], float, float, bool, bool, Reality, bool, bool]
+"""The properties that decide a look: kind, parts, track, wheel diameter, has motors, is anchored, how real it is, is
+one of a crowd, is occupied."""
 
 _KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None, bool], BodyLook]]] = {
     "wheelchair": lambda robot, crowd, _, occupied: chair(robot, crowd=crowd, occupied=occupied),
@@ -31,8 +32,8 @@ _KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None, bool], BodyLook]
 def shape_of(robot: Robot, *, crowd: bool = False, occupied: bool = False) -> Shape:
     """Return a key that is equal for bodies that differ only in their colour."""
     wheels = (robot.track, robot.wheel_diameter) if robot.kind == "wheelchair" else (0.0, 0.0)
-    real = robot.type == "real"
-    return (robot.kind, parts_of(robot), *wheels, has_motors(robot), robot.anchored, real, crowd, occupied)
+    reality = reality_of(robot)
+    return (robot.kind, parts_of(robot), *wheels, has_motors(robot), robot.anchored, reality, crowd, occupied)
 
 
 def model_of(robot: Robot, *, crowd: bool = False, cut: float | None = None, occupied: bool = False) -> BodyLook:

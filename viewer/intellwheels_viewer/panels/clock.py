@@ -33,6 +33,10 @@ _PACES: Final = {
     "free": "as fast as it can",
     "lockstep": "in lockstep with its agents",
 }
+_WHY_LATE: Final = (
+    "In real time, each tick has its time by the clock. A late one begins after it, because the machine is busy. "
+    "It is simulated all the same."
+)
 _STATES: Final = {
     "running": ("good", "Running"),
     "paused": ("wait", "Paused"),
@@ -59,13 +63,21 @@ def clock_html(snapshot: Snapshot) -> str:
                 (_factor(clock), "real-time factor"),
             )
         ),
-        f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        f'<div class="iw-small iw-why" title="{_WHY_LATE}">{html.escape(_pace(clock))}, {_late(clock)}</div>',
         _load_line(clock, live),
-        note("The run is over. Run it again (Space), or continue it beyond its end.")
-        if live and snapshot.is_over
-        else "",
+        _end(snapshot) if live else "",
         classes="" if live else "iw-old",
     )
+
+
+def _end(snapshot: Snapshot) -> str:
+    """Return a note about the end of a run: it stands still since then, or has gone on."""
+    if snapshot.is_over:
+        return note("The run is over and stands still; speeds are its last ones. Space runs it again.")
+    if snapshot.judged is None:
+        return ""
+    at = number_format.decimal(snapshot.judged)
+    return note(f"The end condition was met at {at} s. The world has gone on since then.", "wait")
 
 
 def _awaited(clock: Clock) -> str:
@@ -84,7 +96,7 @@ def _factor(clock: Clock) -> str:
 
 
 def _late(clock: Clock) -> str:
-    return f"{clock.late or 'no'} late tick{'' if clock.late == 1 else 's'}"
+    return f"{clock.late or 'no'} tick{'s' if clock.late > 1 else ''} began late"
 
 
 def _load_line(clock: Clock, live: bool) -> str:

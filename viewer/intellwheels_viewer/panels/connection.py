@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 import viser
 
+from intellwheels_viewer.drivers import reality_of
 from intellwheels_viewer.page_title import reality
 from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
@@ -17,6 +18,8 @@ from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
 
 NO_WORLD: Final = "Choose a world"
+STAND_IN: Final = "Stand-in: a real chair\u2019s bridge on simulated hardware."
+"""Said where a chair is one."""
 GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</style>"
 """Greys out the picture while it is out of date."""
 
@@ -63,7 +66,10 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
         f'<div class="{size}">{prose(now.text)}</div>'
     )
     if snapshot.phase == "live":
-        content += "".join(f'<div class="iw-small">{html.escape(words)}</div>' for words in reality(snapshot))
+        lines = reality(snapshot)
+        if any(reality_of(body.robot) == "stand-in" for body in snapshot.bodies.values()):
+            lines.append(STAND_IN)
+        content += "".join(f'<div class="iw-small">{html.escape(words)}</div>' for words in lines)
     if words := rights_words(snapshot, choices):
         content += note(words, "wait") if words.startswith(VIEW_ONLY) else f'<div class="iw-small">{prose(words)}</div>'
     if snapshot.phase in ("silent", "gone"):

@@ -16,11 +16,14 @@ _MARKS: Final = (
     ),
     (
         '<circle cx="34" cy="11" r="7" fill="none" stroke="currentColor" stroke-width="1.5"/>'
-        '<circle cx="34" cy="11" r="2" fill="currentColor"/><path d="M2 11h22" stroke="currentColor" stroke-width="2" '
-        'stroke-dasharray="4 3"/>',
-        "goal of an agent, in its colour",
+        '<circle cx="34" cy="11" r="2" fill="currentColor"/><path fill="none" '
+        'd="M2 5l5 6l-5 6M9 7l3.5 4l-3.5 4M15 8.5l2 2.5l-2 2.5" stroke="currentColor" stroke-width="2"/>',
+        "where an agent wants to go, in its colour; not its path",
     ),
-    ('<path d="M2 16C14 16 18 6 42 6" fill="none" stroke="currentColor" stroke-width="3"/>', "path of the last 20 s"),
+    (
+        '<path d="M2 16C14 16 18 6 42 6" fill="none" stroke="currentColor" stroke-width="3"/>',
+        "where it was in the last 20 s",
+    ),
     (f'<rect x="8" y="5" width="28" height="12" fill="none" stroke="{css(CONTACT)}" stroke-width="3"/>', "contact"),
 )
 """A mark, 44 x 22 px, and its meaning."""

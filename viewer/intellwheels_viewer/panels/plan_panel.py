@@ -16,6 +16,7 @@ import viser
 
 from intellwheels_maps.check import wall_pieces
 from intellwheels_schemas.messages import Entity, Map
+from intellwheels_viewer.drivers import driver_of
 from intellwheels_viewer.panels.callbacks import Pick
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.marks import Mark
@@ -139,7 +140,8 @@ def _body(snapshot: Snapshot, entity: Entity, mark: Mark | None, view: Frame, se
     if entity.name == selected:
         drawn = _ring(entity, max(0.9, 9 * view.pixel), view) + drawn
     name, faded = html.escape(entity.name), ' opacity=".4"' if entity.state == "stale" else ""
-    return f'<g data-agent="{name}"{faded} style="pointer-events:all"><title>{name}</title>{drawn}</g>'
+    words = f"{name}: {driver_of(entity, body, snapshot.measures.get(entity.name))}"
+    return f'<g data-agent="{name}"{faded} style="pointer-events:all"><title>{words}</title>{drawn}</g>'
 
 
 def _ring(entity: Entity, radius: float, view: Frame) -> str:

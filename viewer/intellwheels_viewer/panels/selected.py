@@ -10,7 +10,7 @@ import viser
 
 from intellwheels_schemas.messages import Entity
 from intellwheels_viewer.panels import number_format, plots
-from intellwheels_viewer.panels.agents import words
+from intellwheels_viewer.panels.agents import status_of
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.event_lines import event_lines
 from intellwheels_viewer.panels.events import event_item
@@ -39,7 +39,7 @@ def head_html(snapshot: Snapshot, choices: Choices) -> str:
     return block(
         "selected",
         f'<div class="iw-head" data-selected="{name}">{swatch(mark)}<b class="iw-cut">{name}</b></div>'
-        f'<div class="iw-small">{html.escape(words(entity, snapshot.bodies.get(entity.name)))}</div>',
+        f'<div class="iw-small">{html.escape(status_of(snapshot, entity, choices))}</div>',
         large(
             (
                 (number_format.decimal(entity.speed), "speed, m/s"),

@@ -73,7 +73,8 @@ vertical-align:bottom}
 .iw tr.chosen td,.iw tr.chosen:hover td{background:var(--iw-chosen)}
 .iw tr.chosen td:first-child{box-shadow:inset 3px 0 #e5cf00}
 .iw tr.stale td>*,.iw-old,.iw-old b,.iw-old span{color:var(--iw-soft)}.iw tr.stale svg,.iw-old svg{opacity:.4}
-.iw-wide{width:200px;overflow:hidden;text-overflow:ellipsis;white-space:nowrap}
+.iw-wide{width:204px;overflow:hidden;text-overflow:ellipsis;white-space:nowrap}.iw-wide.iw-whole{width:252px}
+.iw-why,.iw th u{cursor:help;text-decoration:underline dotted;text-underline-offset:2px}
 .iw-group{padding-top:8px}
 .iw-log{list-style:none;margin:0;padding:0}
 .iw-log li{display:flex;gap:8px;padding:2px 0;border-top:1px solid var(--iw-line)}
