@@ -36,3 +36,16 @@ def test_the_hand_goes_with_its_chair_and_only_a_chair_has_one(scene: viser.Scen
     assert tuple(grip.wxyz) == pytest.approx(lean(0.5, 0.5))
     cockpit.show(None, None)
     assert not chair.visible
+
+
+def test_hands_and_shoes_are_made_once_for_a_size_of_chair(scene: viser.SceneApi) -> None:
+    cockpit = Cockpit(scene)
+    cockpit.show(robot("rear-wheel"), entity("a"))
+    rest, grip = node(scene, "/cockpit/rest"), node(scene, "/cockpit/grip")
+    cockpit.show(None, None)
+    cockpit.show(robot("rear-wheel"), entity("b", 1.0))
+    assert node(scene, "/cockpit/rest") is rest
+    cockpit.show(robot("mid-wheel"), entity("c"))
+    assert node(scene, "/cockpit/rest") is not rest
+    assert node(scene, "/cockpit/grip") is grip
+    assert node(scene, "/cockpit/rest").visible

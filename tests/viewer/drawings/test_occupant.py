@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from intellwheels_viewer.drawings.chair_frame import arm_height, frame_of
-from intellwheels_viewer.drawings.occupant import HAIR, SHOES, SKIN, eyes, hand, occupant
+from intellwheels_viewer.drawings.chair_frame import arm_height, frame_of, stick
+from intellwheels_viewer.drawings.occupant import HAIR, SHOES, SKIN, eyes, occupant, palms, wrists
 from tests.viewer.drawings.cast import robot
 
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
@@ -27,10 +27,13 @@ def test_a_person_sits_within_the_box_of_the_chair(name: str, crowd: bool) -> No
 def test_the_right_hand_is_at_the_joystick_and_the_eyes_in_the_head() -> None:
     frame = frame_of(robot("rear-wheel"))
     skin = occupant(frame)[1][SKIN].vertices
-    at = np.array(hand(frame))
-    assert float(np.linalg.norm(skin - at, axis=1).min()) < 0.06
-    assert at[1] < 0.0
-    assert at[2] > arm_height(frame)
+    left, right = palms(frame)
+    for palm, wrist in zip((left, right), wrists(frame), strict=True):
+        assert float(np.linalg.norm(skin - np.array(palm), axis=1).min()) < 0.06
+        assert wrist[0] < palm[0]
+        assert palm[2] > arm_height(frame)
+    assert right[1] < 0.0 < left[1]
+    assert np.linalg.norm(np.subtract(right[:2], stick(frame))) < 0.1
     assert 1.1 < eyes(frame)[2] < 1.3
 
 

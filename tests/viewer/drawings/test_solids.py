@@ -43,6 +43,14 @@ def test_a_rod_is_as_long_and_as_thick_as_it_says() -> None:
     assert volume(rod) == pytest.approx(math.pi * 0.01 * 2.0, rel=0.02)
 
 
+def test_a_bent_tube_is_as_wide_and_as_high_as_it_says_and_looks_out() -> None:
+    tube = solids.tube([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0)], [(0.2, 0.1)] * 3, 32)
+    assert size(tube) == [2.0, 0.4, 0.2]
+    assert volume(tube) == pytest.approx(math.pi * 0.02 * 2.0, rel=0.02)
+    bent = solids.tube([(0.0, 0.0, 1.0), (1.0, 0.5, 1.0), (1.5, 1.0, 0.2)], [(0.2, 0.2), (0.2, 0.2), (0.1, 0.1)])
+    assert volume(bent) > 0.1
+
+
 def test_a_tyre_touches_the_floor_and_looks_out() -> None:
     tyre = solids.hoop(0.0, 0.0, 0.3, 0.3, 0.05)
     assert float(tyre.vertices[:, 2].min()) == pytest.approx(0.0, abs=1e-6)

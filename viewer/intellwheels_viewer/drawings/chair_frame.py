@@ -63,4 +63,9 @@ def arm_height(frame: Frame) -> float:
 
 def arm_ends(frame: Frame) -> tuple[float, float]:
     """Return x of the rear and of the front end of the armrests."""
-    return frame.rear + 0.17, frame.rear + 0.17 + 0.55 * (frame.front - frame.rear)
+    return frame.rear + 0.17, frame.rear + 0.17 + 0.70 * (frame.front - frame.rear)
+
+
+def stick(frame: Frame) -> tuple[float, float]:
+    """Return x and y of the joystick, at the inner edge of the front end of the right armrest."""
+    return arm_ends(frame)[1] + 0.02, -(frame.wide / 2 - 0.08)

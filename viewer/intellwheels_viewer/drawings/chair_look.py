@@ -11,7 +11,7 @@ import math
 from intellwheels_schemas.messages import Robot
 from intellwheels_viewer.drawings import real_badge
 from intellwheels_viewer.drawings.body_look import BodyLook
-from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height, frame_of
+from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height, frame_of, stick
 from intellwheels_viewer.drawings.furniture import Painted, merged
 from intellwheels_viewer.drawings.occupant import occupant
 from intellwheels_viewer.drawings.solids import Point, Solid, ball, both, box, hoop, join, loft, pipe, rod, slab
@@ -99,11 +99,11 @@ def _arms(frame: Frame) -> Solid:
     y, z = frame.wide / 2 - 0.035, arm_height(frame)
     start, end = arm_ends(frame)
     pads = both(slab((start + end) / 2, y, end - start, 0.07, z - 0.035, z, radius=0.03, bevel=0.012))
-    tip = end + 0.02
+    x, aside = stick(frame)
     joystick = [
-        slab(tip, -y, 0.11, 0.075, z - 0.01, z + 0.035, radius=0.02, bevel=0.01),
-        rod((tip, -y, z + 0.03), (tip, -y, z + 0.10), 0.009),
-        ball(tip, -y, z + 0.11, 0.023, 8),
+        slab(x, aside, 0.11, 0.075, z - 0.01, z + 0.035, radius=0.02, bevel=0.01),
+        rod((x, aside, z + 0.03), (x, aside, z + 0.10), 0.009),
+        ball(x, aside, z + 0.11, 0.023, 8),
     ]
     return join([pads, *joystick])
 

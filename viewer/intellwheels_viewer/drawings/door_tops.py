@@ -22,10 +22,13 @@ from intellwheels_viewer.palette import RGB
 PANE: Final[RGB] = (176, 208, 226)
 _STILE: Final = 0.14
 """Width of the frame around the pane, in metres."""
+_RAIL: Final = 0.03
+"""How far the rail reaches above and below the cut, in metres: over the edge that a cut leaf has."""
+_PROUD: Final = 0.003
 
 
 def top(robot: Robot) -> Painted:
-    """Return what a leaf has above the cut: a board with a pane."""
+    """Return what a leaf has above the cut: a board with a pane, and a rail over the edge of the part below."""
     boards, panes = [], []
     for part in parts_of(robot):
         if part.top <= HALF_HEIGHT:
@@ -33,6 +36,9 @@ def top(robot: Robot) -> Painted:
         x0, x1 = part.x - part.length / 2, part.x + part.length / 2
         y0, y1 = part.y - part.width / 2, part.y + part.width / 2
         boards.append(box(x0, x1, y0, y1, max(part.bottom, HALF_HEIGHT), part.top))
+        if part.bottom < HALF_HEIGHT:
+            low, high = max(part.bottom, HALF_HEIGHT - _RAIL), min(part.top, HALF_HEIGHT + _RAIL)
+            boards.append(box(x0 - _PROUD, x1 + _PROUD, y0 - _PROUD, y1 + _PROUD, low, high))
         if x1 - x0 > 3 * _STILE and part.top > HALF_HEIGHT + 0.5:
             low, high = HALF_HEIGHT + 0.12, part.top - 0.18
             panes.append(box(x0 + _STILE, x1 - _STILE, y0 - 0.004, y1 + 0.004, low, high))

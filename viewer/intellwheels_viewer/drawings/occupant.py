@@ -7,9 +7,10 @@ University, 1966), rounded.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height
+from intellwheels_viewer.drawings.chair_frame import Frame, arm_ends, arm_height, stick
 from intellwheels_viewer.drawings.furniture import Painted
 from intellwheels_viewer.drawings.solids import Point, Solid, ball, both, ellipses, join, taper
 from intellwheels_viewer.palette import RGB
@@ -18,6 +19,10 @@ SKIN: Final[RGB] = (208, 170, 142)
 HAIR: Final[RGB] = (74, 54, 42)
 TROUSERS: Final[RGB] = (58, 70, 96)
 SHOES: Final[RGB] = (36, 34, 36)
+FOOT: Final = 0.085
+"""Metres from the middle of the chair to that of a foot."""
+_HAND: Final = 0.065
+"""Metres from the end of a sleeve to the middle of the palm."""
 
 
 def occupant(frame: Frame, *, crowd: bool = False) -> tuple[Solid, Painted]:
@@ -49,9 +54,31 @@ def eyes(frame: Frame) -> Point:
     return frame.rear + 0.38, 0.0, frame.seat + 0.70 * size(frame)
 
 
-def hand(frame: Frame) -> Point:
-    """Return the middle of the right hand, at the top of the joystick, in the chair's frame, in metres."""
-    return arm_ends(frame)[1] + 0.02, -(frame.wide / 2 - 0.035), arm_height(frame) + 0.105
+def palms(frame: Frame) -> tuple[Point, Point]:
+    """Return the middle of the left palm, on its armrest, and of the right one, behind the knob of the joystick.
+
+    In the chair's frame, in metres.
+    """
+    x, y = stick(frame)
+    top = arm_height(frame)
+    return (arm_ends(frame)[1] - 0.07, frame.wide / 2 - 0.04, top + 0.022), (x - 0.055, y - 0.055, top + 0.105)
+
+
+def wrists(frame: Frame) -> tuple[Point, Point]:
+    """Return where the left and the right sleeve end, in the chair's frame, in metres."""
+    left, right = (_wrist(_elbow(frame, palm[1]), palm) for palm in palms(frame))
+    return left, right
+
+
+def _elbow(frame: Frame, y: float) -> Point:
+    side = frame.wide / 2 - 0.045
+    return min(arm_ends(frame)[0] + 0.12, frame.rear + 0.34), math.copysign(side, y), arm_height(frame) + 0.05
+
+
+def _wrist(elbow: Point, palm: Point) -> Point:
+    share = max(0.5, 1.0 - _HAND / math.dist(elbow, palm))  # a short chair has a short arm
+    x, y, z = (e + share * (p - e) for e, p in zip(elbow, palm, strict=True))
+    return x, y, z
 
 
 def _torso(frame: Frame, sides: int, every: int) -> Solid:
@@ -98,8 +125,8 @@ def _hair(frame: Frame, sides: int, every: int) -> Solid:
 
 def _legs(frame: Frame, sides: int, *, joints: bool) -> Solid:
     k, (x, _, z) = size(frame), hip(frame)
-    knee = (min(frame.front + 0.03, frame.hull.front - 0.16), 0.105, frame.seat + 0.07 * k)
-    ankle = (frame.hull.front - 0.13, 0.115, 0.20)
+    knee = (min(frame.front + 0.03, frame.hull.front - 0.16), 0.165, frame.seat + 0.07 * k)
+    ankle = (frame.hull.front - 0.145, FOOT, 0.20)
     parts = [taper((x, 0.085, z), knee, 0.085 * k, 0.066 * k, sides), taper(knee, ankle, 0.062 * k, 0.045, sides)]
     if joints:
         parts.append(ball(*knee, 0.067 * k, 8))
@@ -108,13 +135,13 @@ def _legs(frame: Frame, sides: int, *, joints: bool) -> Solid:
 
 def _shoes(frame: Frame, sides: int) -> Solid:
     front = frame.hull.front
-    middle, half = front - 0.105, 0.10
+    middle = front - 0.105
     return both(
         ellipses(
             [
-                (0.126, middle, 0.115, half, 0.045),
-                (0.165, middle, 0.115, half, 0.045),
-                (0.21, middle - 0.03, 0.115, 0.05, 0.04),
+                (0.126, middle, FOOT, 0.10, 0.043),
+                (0.160, middle, FOOT, 0.093, 0.042),
+                (0.205, middle - 0.035, FOOT, 0.05, 0.036),
             ],
             max(4, sides - 2),
         )
@@ -123,19 +150,19 @@ def _shoes(frame: Frame, sides: int) -> Solid:
 
 def _arms(frame: Frame, sides: int, *, joints: bool) -> tuple[Solid, Solid]:
     """Return the arms to the wrists, and the hands: the left one on its armrest, the right one at the joystick."""
-    k, x = size(frame), frame.rear + 0.28
-    side = frame.wide / 2 - 0.045
-    start, end = arm_ends(frame)
-    top = arm_height(frame)
-    elbow_x = min(start + 0.12, x + 0.06)
+    k = size(frame)
     sleeves, hands = [], []
-    right = hand(frame)
-    for y, palm in ((side, (end - 0.03, side, top + 0.035)), (-side, (right[0] - 0.035, right[1], right[2] + 0.005))):
-        shoulder: Point = (x, 0.17 * k * (1 if y > 0 else -1), frame.seat + 0.515 * k)
-        elbow: Point = (elbow_x, y, top + 0.05)
-        wrist: Point = tuple(e + 0.86 * (p - e) for e, p in zip(elbow, palm, strict=True))  # type: ignore[assignment]
+    for palm, wrist in zip(palms(frame), wrists(frame), strict=True):
+        shoulder: Point = (frame.rear + 0.28, math.copysign(0.17 * k, palm[1]), frame.seat + 0.515 * k)
+        elbow = _elbow(frame, palm[1])
         sleeves += [taper(shoulder, elbow, 0.055 * k, 0.042, sides), taper(elbow, wrist, 0.041, 0.032, sides)]
-        hands.append(ball(*palm, 0.04, 6 if joints else 4))
+        hands.append(_mitten(palm, 8 if joints else 4))
         if joints:
             sleeves += [ball(*shoulder, 0.06 * k, 8), ball(*elbow, 0.043, 6)]
     return join(sleeves), join(hands)
+
+
+def _mitten(palm: Point, sides: int) -> Solid:
+    x, y, z = palm
+    rows = ((-0.017, 0.028, 0.022), (0.0, 0.044, 0.034), (0.017, 0.030, 0.024))
+    return ellipses([(z + up, x, y, half, wide) for up, half, wide in rows], sides)

@@ -223,6 +223,25 @@ def pipe(points: Sequence[Point], radius: float, sides: int = 6) -> Solid:
     return join(rod(a, b, radius, sides) for a, b in itertools.pairwise(points))
 
 
+def tube(points: Sequence[Point], sizes: Sequence[tuple[float, float]], sides: int = 6) -> Solid:
+    """Return a smooth bent tube of elliptic sections, with flat ends. No part of it may be vertical.
+
+    Args:
+        points: Its axis.
+        sizes: Half the width, across and level, and half the height of the section at each point.
+        sides: Corners of a section.
+    """
+    axis = np.array(points)
+    along = np.gradient(axis, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    aside = np.cross(along, (0.0, 0.0, 1.0))
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    up = np.cross(along, aside)
+    turns = [2 * math.pi * index / sides for index in range(sides)]
+    rings = zip(axis, aside, up, sizes, strict=True)
+    return loft([[_point(p + math.cos(t) * w * a + math.sin(t) * h * u) for t in turns] for p, a, u, (w, h) in rings])
+
+
 def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: int = 24, around: int = 6) -> Solid:
     """Return a tyre that stands along x: a torus about the level axis across.
 
