@@ -26,7 +26,7 @@ import random
 from typing import NamedTuple
 
 from intellwheels_agents.differential_drive import Odometry, wrapped
-from intellwheels_agents.doorways import Doorway, near_wall
+from intellwheels_agents.doorways import WIDEST, Doorway, near_wall
 from intellwheels_agents.portable_math import atan2, cos, dist, hypot, sincos
 from intellwheels_agents.range_ring import RANGE, WIDTH, RangeRing
 from intellwheels_agents.range_scan import Outline
@@ -261,9 +261,13 @@ class DoorwayQueue:
 
 
 def aim(door: Doorway, x: float, y: float) -> tuple[float, float]:
-    """Return where to walk from a point, all in the frame of the doorway, m."""
-    clear = door.width / 2.0 - 0.15 if x > -0.35 else 0.12 - 0.5 * x
-    return (AIM_BEHIND if abs(y) < clear else -AIM_BEFORE), 0.0
+    """Return where to walk from a point, all in the frame of the doorway, m.
+
+    Through a doorway wider than `WIDEST` it walks where it comes, else through the middle.
+    """
+    beside = max(door.width - WIDEST, 0.0) / 2.0
+    clear = door.width / 2.0 - 0.15 if x > -0.35 else beside + 0.12 - 0.5 * x
+    return (AIM_BEHIND if abs(y) < clear else -AIM_BEFORE), min(max(y, -beside), beside)
 
 
 def time_to_collision(others: list[Seen], vx: float, vy: float, most: float, strip: float) -> float:

@@ -1,7 +1,7 @@
-"""The doorways of a map: narrow gaps between the corners of its walls, and the one that leads to a goal. Pure.
+"""The doorways of a map: those that it declares, and narrow gaps between its walls; and the one that leads to a goal.
 
-A doorway is a free line of `NARROWEST` to `WIDEST` metres between two corners. Its frame has its origin in the middle
-of that line and the x axis across it, towards the side of the goal.
+A gap is a free line of `NARROWEST` to `WIDEST` metres between two corners. A declared doorway may be wider. The frame
+of a doorway has its origin in the middle of the opening and the x axis across it, towards the side of the goal. Pure.
 """
 
 from __future__ import annotations
@@ -12,13 +12,15 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from intellwheels_agents.map_cells import Point, solids
-from intellwheels_agents.portable_math import dist
+from intellwheels_agents.portable_math import dist, sincos
 from intellwheels_schemas.messages import Map
 
 NARROWEST, WIDEST = 0.6, 1.3
-"""Widths of doorways, m."""
+"""Widths of gaps, m. Between walls farther apart, two people can pass each other."""
 SAME = 0.6
 """Two gaps nearer to each other than this are the two sides of one doorway, m."""
+BLOCKED = 0.3
+"""A declared doorway with a wall or an obstacle nearer to its middle than this is no way, m."""
 NEAR = 3.5
 """Walls up to this far from a doorway belong to it, m."""
 SIGHT = 8.0
@@ -38,7 +40,7 @@ _MOST_PIECES = 512
 
 
 class Doorway(NamedTuple):
-    """A gap that one person at a time can pass.
+    """An opening that leads to the other side of a wall. Up to `WIDEST`, one person at a time can pass it.
 
     Attributes:
         x, y: Its middle, m.
@@ -78,18 +80,30 @@ def doorways(document: Map) -> tuple[tuple[Doorway, ...], tuple[Edge, ...]]:
                 gaps.append((dist(a, b), a, b))
     gaps.sort()
     beside = _by_cell(edges)
-    found: list[Doorway] = []
+
+    def is_free(x: float, y: float, metres: float) -> bool:
+        return all(_distance(edge, x, y) >= metres for key in (_cell(x, y), None) for edge in beside.get(key, ()))
+
+    def walls(x: float, y: float) -> tuple[Edge, ...]:
+        return tuple(edge for edge in edges if _distance(edge, x, y) < NEAR)
+
+    declared: list[Doorway] = []
     taken: dict[_Cell, list[Point]] = {}
+    for each in document.doorway:
+        x, y, width = each.x, each.y, each.width
+        if width >= NARROWEST and is_free(x, y, min(0.45 * width, BLOCKED)):
+            uy, ux = sincos(math.radians(each.heading_deg))
+            declared.append(Doorway(x, y, ux, uy, width, walls(x, y)))
+            taken.setdefault(_cell(x, y), []).append((x, y))
+    found: list[Doorway] = []
     for width, a, b in gaps:
         x, y = middle = _middle(a, b)
         if any(dist(middle, other) < SAME for cell in _around(middle) for other in taken.get(cell, ())):
             continue
-        if any(_distance(edge, x, y) < 0.45 * width for key in (_cell(x, y), None) for edge in beside.get(key, ())):
-            continue
-        near = tuple(edge for edge in edges if _distance(edge, x, y) < NEAR)
-        found.append(Doorway(x, y, (b[1] - a[1]) / width, (a[0] - b[0]) / width, width, near))
-        taken.setdefault(_cell(x, y), []).append(middle)
-    return tuple(_between_both_sides(found, gaps)), edges
+        if is_free(x, y, 0.45 * width):
+            found.append(Doorway(x, y, (b[1] - a[1]) / width, (a[0] - b[0]) / width, width, walls(x, y)))
+            taken.setdefault(_cell(x, y), []).append(middle)
+    return (*declared, *_between_both_sides(found, gaps)), edges
 
 
 def _between_both_sides(found: list[Doorway], gaps: list[tuple[float, Point, Point]]) -> Iterator[Doorway]:
@@ -165,7 +179,7 @@ def way_through(doors: Sequence[Doorway], edges: Sequence[Edge], here: Point, go
             continue
         from_x, from_y = one.local(*here)
         to_x, to_y = one.local(*goal)
-        inside = max(abs(to_x), abs(to_y)) < one.width / 2.0
+        inside = max(abs(to_x), abs(to_y)) < min(one.width, WIDEST) / 2.0
         if inside:
             to_x = -from_x
         if from_x * to_x >= 0.0 or (abs(to_x) < 0.3 and not inside):

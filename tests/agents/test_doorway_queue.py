@@ -7,7 +7,7 @@ import math
 import pytest
 
 from intellwheels_agents.doorway_queue import AIM_BEFORE, AIM_BEHIND, CIRCLE, Seen, aim, time_to_collision
-from intellwheels_agents.doorways import doorways
+from intellwheels_agents.doorways import WIDEST, Doorway, doorways
 from tests.agents.person_trials import two_rooms
 
 
@@ -22,6 +22,13 @@ def seen(x: float, y: float, vx: float = 0.0, vy: float = 0.0) -> Seen:
 def test_it_walks_before_the_doorway_until_it_can_pass_straight_on(x: float, y: float, ahead: float) -> None:
     ((door,), _) = doorways(two_rooms(0.9))
     assert aim(door, x, y) == (ahead, 0.0)
+
+
+def test_it_walks_through_the_part_of_a_wide_doorway_that_is_ahead() -> None:
+    door = Doorway(0.0, 0.0, 1.0, 0.0, WIDEST + 1.0, ())
+    aims = [aim(door, -2.0, y) for y in (0.3, -0.7, 2.0)]
+    assert [x for x, _ in aims] == [AIM_BEHIND, AIM_BEHIND, -AIM_BEFORE]
+    assert [y for _, y in aims] == pytest.approx([0.3, -0.5, 0.5])
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from tests.e2e.stage import run
 
 
-@pytest.mark.parametrize("scene", ["follow", "door", "corner", "crossing"])
+@pytest.mark.parametrize("scene", ["follow", "door", "corner", "crossing", "feelings"])
 def test_conditions_of_the_scene_hold(tmp_path: Path, scene: str) -> None:
     file = tmp_path / "result.json"
     done = run("intellwheels_experiments", scene, "--json", str(file), "--logs", str(tmp_path / "logs"), timeout=180.0)

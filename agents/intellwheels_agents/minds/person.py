@@ -7,6 +7,9 @@
     within   distance from a goal that counts as arrived, m (default 0.4)
     loop     true: start again with the first goal after the last (default false)
     with     agents to walk with as a group; they hear each other's positions ("at X Y", in metres)
+    likes    agents that attract it by the positions that they say; after its goals it follows the nearest one
+    fears    agents that repel it by the positions that they say: it keeps off, even from its goal
+    lead     true: say its position, for agents that follow, like or fear it (default false)
 
 Forces alone do not slow a crowd down as real people do. So the speed is also limited by the gap ahead: to gap /
 0.25 s, and to (gap + 0.3 m) / 0.85 s. With these limits a crowd in a corridor is about as fast as Weidmann's at 0.5 to
@@ -17,7 +20,8 @@ The map tells it where doorways are. On its way to a doorway, and in it, whoever
 keep a gap (`agents/intellwheels_agents/doorway_queue.py`). If a wall is in the straight way to its goal, it walks
 through a doorway that it sees.
 
-It perceives with a ring of proximity cones, encoders, a compass, and messages.
+It perceives with a ring of proximity cones, encoders, a compass, and messages. What it feels for others is described
+in `agents/intellwheels_agents/feelings.py`.
 
 Sources: those of the forces are in `agents/intellwheels_agents/social_force.py`. A. Tordeux, M. Chraibi, A. Seyfried,
 Collision-free speed model for pedestrian dynamics, Traffic and Granular Flow '15, 2016 (speed from the gap).
@@ -30,7 +34,8 @@ import math
 
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.doorway_queue import PASSED, ZONE, DoorStep, DoorwayQueue, aim
-from intellwheels_agents.doorways import Doorway, doorways, way_through
+from intellwheels_agents.doorways import WIDEST, Doorway, doorways, way_through
+from intellwheels_agents.feelings import felt, nearest, pull, push
 from intellwheels_agents.footprint import Footprint, MovingPoint
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
@@ -78,8 +83,8 @@ MAKE_ROOM = -0.4, 0.0
 """Speed, m/s, and turn rate of a step back that makes room at a doorway."""
 SMALL_TURN = 0.3
 """Turn rate below which a turn in place is no motion, rad/s."""
-COMPANION_TIMEOUT = 3.0
-"""Time after which a silent companion is ignored, s."""
+SILENCE = 3.0
+"""Time after which somebody who says no position is ignored, s."""
 
 
 def equip(robot: Robot, _options: Options) -> Robot:
@@ -99,6 +104,11 @@ class Mind:
         self._within = options.number("within", 0.4, 0.01, 10.0)
         self._loop = options.flag("loop")
         self._companions = options.words("with")
+        self._likes, self._fears = options.words("likes"), options.words("fears")
+        for name in self._fears:
+            if name in self._likes:
+                raise OptionError(f"option fears: expected agents that it does not like, got {name!r}")
+        self._leads = options.flag("lead")
         self._goals = context.route()
         self._next = 0
         self._pose = Odometry(robot, context.position)
@@ -109,7 +119,7 @@ class Mind:
         self._heard: dict[str, tuple[float, Point]] = {}
         self._said_at = -math.inf
         self._stuck = 0.0
-        self._doors, self._walls = doorways(context.map) if self._goals else ((), ())
+        self._doors, self._walls = doorways(context.map) if self._goals or self._likes else ((), ())
         self._door: Doorway | None = None
         self._looked: tuple[float, Point | None] = (-math.inf, None)
         self._queue = DoorwayQueue(outline(robot), context.agent)
@@ -126,22 +136,35 @@ class Mind:
         pose.update(measures.sensors)
         self._ring.update(measures.sensors, pose)
         speed = dist((old_x, old_y), (pose.x, pose.y)) / self._period
-        goal = self._goal()
+        self._listen(measures)
+        group, liked, feared = (
+            self._known(names, measures.time) for names in (self._companions, self._likes, self._fears)
+        )
+        goal, here = self._goal(), (pose.x, pose.y)
+        walks = goal is not None
+        if goal is None:
+            goal = nearest(here, liked)
+        eager = 0.0 if goal is None else 1.0 if walks else pull(here, goal)
         self._look_for_door(goal, measures.time)
-        step = self._door_step(speed)
-        group = self._group(measures)
+        afraid = any(push(here, other) for other in feared)
+        step = None if afraid or eager == 0.0 else self._door_step(speed)
         if step is None:
-            self._velocity = self._accelerated(self._wanted(self._target(goal)), speed, group)
+            wanted = self._wanted(self._target(goal))
+            if eager < 1.0:
+                wanted = eager * wanted[0], eager * wanted[1]
+            if afraid or (walks and liked):
+                wanted = felt(here, wanted, self._speed, liked if walks else (), feared)
+            self._velocity = self._accelerated(wanted, speed, group)
         else:
             s, c = sincos(pose.heading)
             self._velocity = speed * c, speed * s
-        self._count_stuck(speed, walks=goal is not None, waits=step is not None and step.yields)
-        forward, turn_rate = self._towards(*self._velocity) if step is None else self._through(step)
+        self._count_stuck(speed, walks=eager > 0.0 and not afraid, waits=step is not None and step.yields)
+        forward, turn_rate = self._towards(*self._velocity) if step is None else self._through(step, eager)
         left, right = self._walk(forward, turn_rate, back=step is not None and step.back)
         return Actions(
             left_motor=left,
             right_motor=right,
-            mode="arrived" if goal is None else "walking",
+            mode="walking" if walks else "arrived" if goal is None else "following",
             goal=None if goal is None else Goal(x=goal[0], y=goal[1]),
             say=self._say(measures.time),
         )
@@ -169,9 +192,11 @@ class Mind:
             self._door = way_through(self._doors, self._walls, here, goal) or kept
 
     def _at_door(self) -> bool:
-        """Return whether it is so near the doorway on its way that the order there holds."""
+        """Return whether it is so near a narrow doorway on its way that the order there holds."""
         door = self._door
-        return door is not None and dist((self._pose.x, self._pose.y), (door.x, door.y)) < ZONE
+        if door is None or door.width > WIDEST:
+            return False
+        return dist((self._pose.x, self._pose.y), (door.x, door.y)) < ZONE
 
     def _door_step(self, speed: float) -> DoorStep | None:
         """Return the step before or in a doorway, or None where there is none near."""
@@ -193,17 +218,22 @@ class Mind:
         share = self._speed / max(dist(goal, (self._pose.x, self._pose.y)), 1e-9)
         return share * (goal[0] - self._pose.x), share * (goal[1] - self._pose.y)
 
-    def _group(self, measures: Measures) -> list[Point]:
-        """Return the positions of the companions, as they last said them."""
+    def _listen(self, measures: Measures) -> None:
+        """Note where others say that they are."""
         for message in measures.message:
-            point = position_in(message.text) if message.sender in self._companions else None
+            names = (self._companions, self._likes, self._fears)
+            point = position_in(message.text) if any(message.sender in each for each in names) else None
             if point is not None:
                 self._heard[message.sender] = (measures.time, point)
-        return [point for time, point in self._heard.values() if measures.time - time < COMPANION_TIMEOUT]
+
+    def _known(self, names: tuple[str, ...], time: float) -> list[Point]:
+        """Return the positions of some agents, as they last said them, m."""
+        heard = (self._heard.get(name, (-math.inf, (0.0, 0.0))) for name in dict.fromkeys(names))
+        return [point for at, point in heard if time - at < SILENCE]
 
     def _say(self, time: float) -> str | None:
-        """Return the message with its position for the companions, if one is due."""
-        if not self._companions or time - self._said_at < SAY_PERIOD:
+        """Return the message with its position for the others, if one is due."""
+        if not (self._companions or self._leads) or time - self._said_at < SAY_PERIOD:
             return None
         self._said_at = time
         return position_message(self._pose.x, self._pose.y, 2)
@@ -243,10 +273,10 @@ class Mind:
         gap = self._ring.gap()
         return min(speed * max(cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME), turn_to(off)
 
-    def _through(self, step: DoorStep) -> tuple[float, float]:
-        """Return the speed (m/s) and turn rate (rad/s) of a step at a doorway."""
+    def _through(self, step: DoorStep, eager: float) -> tuple[float, float]:
+        """Return the speed (m/s) and turn rate (rad/s) of a step at a doorway, at a share of the preferred speed."""
         off = self._ring.way_out(step.off, WAY_OUT) if self._stuck >= STUCK_TIME else step.off
-        return min(self._speed * max(cos(off), 0.0), step.limit), turn_to(off)
+        return min(eager * self._speed * max(cos(off), 0.0), step.limit), turn_to(off)
 
     def _walk(self, forward: float, turn_rate: float, *, back: bool) -> tuple[float, float]:
         """Return the powers for a speed (m/s) and turn rate (rad/s), or for what is possible instead."""
