@@ -177,7 +177,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         shortfall,
     )
     from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
-    from intellwheels_experiments.batch.cluster_batch import ClusterError  # noqa: PLC0415
+    from intellwheels_experiments.batch.cluster_client import ClusterError  # noqa: PLC0415
     from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
     from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
 
