@@ -103,7 +103,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--truth", action="store_true", default=None,
-        help="allow sensors that give the true pose; no option forbids them if the scene allows them (default: the "
+        help="allow sensors that give the true pose; if the scene allows them, no option forbids them (default: the "
         "scene's, or no)",
     )  # fmt: skip
     group.add_argument(

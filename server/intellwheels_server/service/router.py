@@ -1,4 +1,4 @@
-"""`iw-router`: the router where simulators and agents meet, for machines without the official `zenohd`.
+"""`iw-router`: runs the router where simulators and agents meet, for machines without the official `zenohd`.
 
 It forwards messages and reads none of them. `--print` prints its configuration, which `zenohd -c FILE` accepts too.
 """
