@@ -46,7 +46,8 @@ examples:
   iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
-`ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+`ended tick=N hash=H run=R` when the end condition is met. --resimulate prints `same ...`, `truncated ...`, or
+`differs ...` with the place of the first difference. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 The command needs the extra `server`.
 """
 
