@@ -43,7 +43,7 @@ def test_wrong_usage_ends_with_2(name: str, capsys: pytest.CaptureFixture[str]) 
     assert run(name, "--no-such-option") == 2
     printed = capsys.readouterr().err
     assert printed.startswith(f"{name}: ")
-    assert printed.endswith(f"; see {name} --help\n")
+    assert printed.endswith((f"; see {name} --help\n", f"? See {name} --help\n"))
     assert printed.count("\n") == 1
 
 

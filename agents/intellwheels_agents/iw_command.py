@@ -73,8 +73,8 @@ def parser() -> argparse.ArgumentParser:
         description="IntellWheels: a simulation service for intelligent wheelchairs.",
         epilog=(
             f"commands (each with its own --help):\n{lines}\n"
-            f"  iw {'list KIND':{width}}what is included: {', '.join(KINDS)}\n"
-            f"  iw {'completion SHELL':{width}}print the completion script for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
+            f"  iw {'list KIND':{width}}lists what is included: {', '.join(KINDS)}\n"
+            f"  iw {'completion SHELL':{width}}prints the completion script for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
             "  iw list maps                   the included maps; `floors` lists the same\n"
@@ -182,7 +182,7 @@ def _completion(words: Sequence[str]) -> int:
     below = whole.add_subparsers()
     for name, point in _POINTS.items():
         below.add_parser(name, parents=[_parser_of(point.module)], add_help=False, help=COMMANDS[name])
-    listing = below.add_parser("list", help="what is included")
+    listing = below.add_parser("list", help="lists what is included")
     listing.add_argument("kind", choices=KINDS)
     print(shtab.complete(whole, shell=shell))
     return 0

@@ -115,7 +115,7 @@ def path_of(context: Context) -> Path | None:
     """
     points = context.route()
     if not points:
-        raise OptionError("option points: expected points, via or to, got none")
+        raise OptionError("options: expected at least one of points, via and to, got none")
     try:
         return Path([(context.position.x, context.position.y), *points])
     except ValueError:

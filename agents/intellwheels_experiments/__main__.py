@@ -263,7 +263,7 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
     if options.seeds is None and options.branch is None:
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
     else:
-        rules += [(_SINGLE_ONLY, "expected with a single run, got a batch or a branch, which decides it")]
+        rules += [(_SINGLE_ONLY, "expected with a single run, got --seeds or --branch")]
     if options.seeds is not None:
         rules += [(("overwrite",), "expected with a single run or --branch, got a batch, which resumes in its folder")]
     elif options.branch is None and options.json is None and options.log is None:
@@ -277,7 +277,7 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         if len(options.row or ()) > 1:
             rules += [(("row",), "expected one row with --branch, which repeats one run")]
     if options.merge:
-        rules += [(("jobs", "part", "cluster"), "expected without --merge, which makes no runs")]
+        rules += [(("jobs", "part", "cluster"), "expected without --merge, which does no runs")]
     if options.cluster is not None:
         rules += [(("jobs",), "expected without --cluster, whose workers have their own number of threads")]
     for group, text in rules:

@@ -33,13 +33,13 @@ examples:
       an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
   iw-run table1 --seeds 400 --part 2/8 --out p2          the second of eight shares, on one of eight machines
   iw-run table1 --seeds 400 --merge p1 --merge p2 ...    the report of all shares
-  iw-run table1 --seeds 400 --cluster tcp://host:8786    the runs are made on a Dask cluster
+  iw-run table1 --seeds 400 --cluster tcp://host:8786    the workers of a Dask cluster do the runs
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
 Exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
-the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
+the run is interrupted; 2 wrong usage; 130 if interrupted before anything started.
 
 The command needs the extra `server`; with --view also `viewer`, and for a batch or branch also `experiments`,
 and with --cluster also `cluster`.
@@ -67,7 +67,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--dark", action="store_true",
-        help="with --view: show the page in the dark theme; without it, the page is as the system of its user wishes",
+        help="with --view: show the page in the dark theme; without it, the page follows its user's system setting",
     )  # fmt: skip
     found.add_argument(
         "--pace", choices=get_args(Pace), help="pace of the run (default: the scene's; realtime with --view)"

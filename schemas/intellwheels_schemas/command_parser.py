@@ -49,7 +49,8 @@ class CommandParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print a mistake as one line, and exit with 2."""
         text = " ".join(_in_words(self, message).split())
-        self.exit(2, f"{self.prog}: {text}; see {self.prog} --help\n")
+        see = " See" if text.endswith("?") else "; see"
+        self.exit(2, f"{self.prog}: {text}{see} {self.prog} --help\n")
 
 
 @contextlib.contextmanager

@@ -122,8 +122,8 @@ that queries a key *writes* it, and one that answers the query *reads* it. `<age
 identity. In a key without an agent, `<crew>` must match `Agents` too, as if it were the name of an agent. These roles
 read about every agent: {overseers}. An operator asks for its `Verbs` only, or for all if it lists none, and a viewer
 only for `take`. The router drops what is longer than the [limits](#limits). It does not limit the rate: Zenoh's way
-to do so would drop honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one
-address of another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
+to do so would drop honest messages that arrive together. It closes Zenoh sessions beyond 100 of one certificate, or of
+one address of another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
 
 The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick;
 user input of an agent counts apart, and a crew counts as one agent. Further ones are dropped with the Error

@@ -1814,11 +1814,11 @@ class Identity(Record, frozen=True, kw_only=True):
 
 
 class Lab(Record, frozen=True, kw_only=True):
-    """A laboratory: who may do what through its router."""
+    """A lab: the people and programs that share a router, and what each of them may do."""
 
     format: Format
     name: Word
-    """Name of the laboratory."""
+    """Name of the lab."""
     identity: tuple[Identity, ...] = ()
     """All people and programs that may connect."""
 

@@ -1,4 +1,4 @@
-"""The command `iw-server`: a simulated world on the network, or an input log run again."""
+"""The command `iw-server`: runs a simulated world on the network, or an input log again."""
 
 from __future__ import annotations
 

@@ -46,7 +46,8 @@ examples:
   iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
-`ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+`ended tick=N hash=H run=R` when the end condition is met. --resimulate prints `same ...`, `truncated ...`, or
+`differs ...` with the place of the first difference. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 The command needs the extra `server`.
 """
 
@@ -103,7 +104,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--truth", action="store_true", default=None,
-        help="allow sensors that give the true pose; no option forbids them if the scene allows them (default: the "
+        help="allow sensors that give the true pose; if the scene allows them, no option forbids them (default: the "
         "scene's, or no)",
     )  # fmt: skip
     group.add_argument(

@@ -45,7 +45,7 @@ def test_path_begins_at_the_body() -> None:
 
 def test_path_to_the_start_is_none_and_no_points_are_refused() -> None:
     assert path_of(context(points="1 1")) is None
-    with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
+    with pytest.raises(OptionError, match="options: expected at least one of points, via and to, got none"):
         path_of(context())
 
 

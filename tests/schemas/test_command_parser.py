@@ -60,7 +60,8 @@ def test_each_mistake_is_one_line_with_the_option_what_was_expected_and_what_cam
     assert ended.value.code == 2
     printed = capsys.readouterr()
     # A later Python writes some of them a little differently.
-    assert printed.err == f"iw-try: {text}; see iw-try --help\n"
+    see = " See" if text.endswith("?") else "; see"
+    assert printed.err == f"iw-try: {text}{see} iw-try --help\n"
     assert printed.out == ""
 
 

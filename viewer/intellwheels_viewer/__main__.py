@@ -77,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     page.add_argument(
         "--dark", action="store_true",
-        help="use the dark theme; without it, a page is as the system of its user wishes; the page has a switch too",
+        help="use the dark theme; without it, a page follows its user's system setting; the page has a switch too",
     )  # fmt: skip
     kept = found.add_argument_group("recording")
     kept.add_argument(

@@ -86,7 +86,7 @@ def read_registration(data: bytes) -> Registration:
         raise WireError("field", f"expected the element Robot or View, got {shown(str(root.tag))}")
     name = root.get("Name")
     if name is None or not 0 < len(name) <= 64:
-        raise wrong_value("Robot.Name", "1 to 64 characters", shown(name))
+        raise wrong_value("Robot.Name", "1 to 64 characters", _got(name))
     angles = list(IR_ANGLES)
     for sensor in root:
         if sensor.tag != "IRSensor":
@@ -180,10 +180,14 @@ def _whole(element: Any, name: str, largest: int, absent: int | None) -> int:
     if text is None and absent is not None:
         return absent
     if text is None or not _WHOLE.match(text) or int(text) > largest:
-        raise wrong_value(_where(element, name), f"a whole number in [0, {largest}]", shown(text))
+        raise wrong_value(_where(element, name), f"a whole number in [0, {largest}]", _got(text))
     return int(text)
 
 
 def _led(element: Any, name: str) -> bool | None:
     text = element.get(name)
     return None if text is None else text == "On"
+
+
+def _got(text: str | None) -> str:
+    return "none" if text is None else shown(text)

@@ -252,8 +252,8 @@ def check(command_line: argparse.ArgumentParser, options: argparse.Namespace) ->
     """End the command with exit code 2 when options do not go together."""
     source = options.source
     if (source == "script") != (options.script is not None):
-        got = "none" if options.script is None else repr(str(options.script))
-        command_line.error(f"--script: expected a file with --source script, none with another source, got {got}")
+        lacking, given_too = "a file with --source script, got none", f"with --source script, got {source}"
+        command_line.error(f"--script: expected {lacking if options.script is None else given_too}")
     given = {name: getattr(options, name) != command_line.get_default(name) for name in OF_SOURCES}
     for name, sources in OF_SOURCES.items():
         if source not in sources and given[name]:

@@ -62,7 +62,7 @@ class Mind:
         points: list[Point] = [(context.position.x, context.position.y), *context.points("points")]
         points += [(place.x, place.y) for place in (context.place(name, "to") for name in options.words("to"))]
         if len(points) == 1:
-            raise OptionError("option points: expected points or to, got none")
+            raise OptionError("options: expected at least one of points and to, got none")
         self._path = Path(points)
         self._seen = Odometry(context.robot, context.position)
         self._arrived = False

@@ -85,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
         "--hold", type=number("seconds", 0.1, 2.0), metavar="S",
         help="seconds for which a published input drives a chair, in [0.1, 2] (default: 0.5)",
     )  # fmt: skip
-    live.add_argument("--take", action="store_true", help="drive chairs instead of their minds, while input comes")
+    live.add_argument("--take", action="store_true", help="drive chairs instead of their minds, while input arrives")
     result.add_argument("--layout", action="store_true", help="print the layout for Foxglove, and exit")
     add_retry_option(result)
     return result

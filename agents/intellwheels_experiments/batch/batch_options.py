@@ -15,7 +15,7 @@ LINES_HELP: Final = """
 a batch's lines, where standard output is no terminal:
   progress  how many runs are done, and how long the rest will take, as hours:minutes:seconds
   row       succeeded, and low and high: the 95 % interval of the success rate (Wilson); died: runs that ended early;
-            missing: runs that were not made
+            missing: runs that were not done
   compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found is
             `as-expected`, `otherwise` (the expectation does not hold), `undecided` (too few runs to tell), `not-asked`
             (there is no expectation) or `incomplete` (runs are missing)
@@ -78,7 +78,7 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     batch.add_argument(
         "--cluster", type=scheduler_address, metavar="ADDRESS",
-        help="make the runs on the workers of the Dask scheduler at this address, such as tcp://host:8786, as many at "
+        help="do the runs on the workers of the Dask scheduler at this address, such as tcp://host:8786, as many at "
         "a time as the workers have threads; anyone who can reach a scheduler can run programs on its workers, so keep "
         "it in a network that you trust",
     )  # fmt: skip

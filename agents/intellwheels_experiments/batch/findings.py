@@ -67,7 +67,7 @@ def _incomplete(first: RowSummary, second: RowSummary) -> str:
     lacking = " and ".join(f"{counted(len(row.missing), 'run')} of {row.title}" for row in both if row.missing)
     verb = "was" if sum(len(row.missing) for row in both) == 1 else "were"
     what = f"{first.title} is not judged" if first is second else f"{first.title} is not compared with {second.title}"
-    return f"{what}: {lacking} {verb} not made."
+    return f"{what}: {lacking} {verb} not done."
 
 
 def _of_two_runs(first: RowSummary, second: RowSummary) -> str:

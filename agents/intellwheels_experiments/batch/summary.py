@@ -251,6 +251,6 @@ def to_junit(name: str, summary: Summary, runs: Sequence[StoredRun]) -> str:
         elif comparison.verdict == "undecided":
             Tree.SubElement(case, "skipped", message="the runs do not decide it")
         elif comparison.verdict == "incomplete":
-            Tree.SubElement(case, "skipped", message="some of the runs were not made")
+            Tree.SubElement(case, "skipped", message="some of the runs were not done")
     Tree.indent(suites)
     return Tree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"

@@ -41,7 +41,7 @@ examples:
   a program that cannot be told an endpoint, and connects to port 7447 itself or through a bridge of your own
       iw-check-agent --listen tcp/127.0.0.1:7447 -- node avoid.js
 
-Exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
+Exit codes: 0 all points passed, 1 otherwise, 2 wrong usage.
 """
 
 

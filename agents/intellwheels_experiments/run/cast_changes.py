@@ -126,5 +126,6 @@ def _check(fits: bool, agent: str, option: str, form: str, scene: Scene, got: st
         return
     near = difflib.get_close_matches(agent, known, n=1) if agent not in known else []
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    text = f"{option}: expected {form}, with an agent of the scene ({', '.join(known)}), got {got!r}{hint}"
+    listed = ", ".join(known) or "it has none"
+    text = f"{option}: expected {form}, with an agent of the scene ({listed}), got {got!r}{hint}"
     raise WireError("value", text, option)

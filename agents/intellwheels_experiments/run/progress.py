@@ -88,9 +88,9 @@ def describe(record: RunRecord, goals: dict[str, tuple[float, float, float]]) ->
     words = [f"{clock.state} {clock.time:.1f} s, {clock.factor:.1f} times real time"]
     if clock.waiting:
         words.append(f"waiting for {', '.join(clock.waiting)}")
-    positions = record.positions()
+    positions, distances = record.positions(), []
     for agent, (x, y, within) in goals.items():
         if agent in positions:
             distance = math.dist(positions[agent], (x, y))
-            words.append(f"{agent} {'at its goal' if distance <= within else f'{distance:.1f} m to go'}")
-    return ", ".join(words)
+            distances.append(f"{agent} {'at its goal' if distance <= within else f'{distance:.1f} m to go'}")
+    return "; ".join(words + ([", ".join(distances)] if distances else []))

@@ -47,6 +47,8 @@ def import_lab(source: FloorSource) -> Imported:
     """
     check_no_level(source)
     root = _root(source, "Lab")
+    if root.get("Format") is not None:
+        raise source.error("", "expected a lab of the Ciber-Rato simulator, got the Lab of a router (iw-router --lab)")
     draft = FloorDraft(source)
     width, height = (_number(source, root, name, 0.1, 5000.0) for name in ("Width", "Height"))
     west, south, east, north = -BORDER / 2, -BORDER / 2, width + BORDER / 2, height + BORDER / 2
@@ -126,6 +128,6 @@ def _number(
     except (TypeError, ValueError):
         value = math.nan
     if not low <= value <= high:
-        where = f"line {element.sourceline}"
-        raise source.error(where, f"{element.tag}.{name}: expected a number in [{low:g}, {high:g}], got {shown(text)}")
+        where, got = f"line {element.sourceline}", "none" if text is None else shown(text)
+        raise source.error(where, f"{element.tag}.{name}: expected a number in [{low:g}, {high:g}], got {got}")
     return value

@@ -1,4 +1,4 @@
-"""`iw-lab`: passwords, certificates and identity files for the people and programs of a lab."""
+"""`iw-lab`: makes passwords, certificates and identity files for the people and programs of a lab."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ class _LabDesk:
             self._users(revoked=[identity.name for identity in named])
             for identity in named:
                 _print(f"revoked identity={identity.name}")
-                _log(f"iw-lab invite {identity.name} writes a new file")
+                _log(f"write a new file with iw-lab invite {identity.name}")
         else:
             everybody = [identity for identity in self._lab.identity if not has_expired(identity, self._today)]
             if options.out is not None and len(named) != 1:
@@ -250,7 +250,7 @@ def _new(options: argparse.Namespace) -> int:
         check_name(f"bridge-{chair}", "--chair: the name of its bridge")
         if _STUDENTS.match(chair):
             got = f"{chair}, which a student could drive"
-            raise WireError("value", f"--chair: expected a name that does not begin as st1-, got {got}", "--chair")
+            raise WireError("value", f"--chair: expected a name that does not begin with st1-, got {got}", "--chair")
     if options.lab.exists():
         raise WireError("value", f"--lab: expected a file that does not exist yet, got {options.lab}", "--lab")
     lab = new_lab(check_word(options.lab.stem.lower(), "--lab"), options.students, options.chair)

@@ -1,4 +1,4 @@
-"""`iw-router`: the router where simulators and agents meet, for machines without the official `zenohd`.
+"""`iw-router`: runs the router where simulators and agents meet, for machines without the official `zenohd`.
 
 It forwards messages and reads none of them. `--print` prints its configuration, which `zenohd -c FILE` accepts too.
 """
@@ -70,9 +70,9 @@ def parser() -> argparse.ArgumentParser:
     )
     found.add_argument(
         "--max-sessions", type=whole(1, 10_000), metavar="N",
-        help="sessions that one certificate, or one address without certificates, may have at a time, in [1, 10000]; "
-        f"more are closed and reported (default: {MAX_SESSIONS}; no limit for sessions of this machine that show no "
-        "certificate)",
+        help="Zenoh sessions that one certificate, or one address without certificates, may have at a time, in "
+        f"[1, 10000]; more are closed and reported (default: {MAX_SESSIONS}; no limit for sessions of this machine "
+        "that show no certificate)",
     )  # fmt: skip
     found.add_argument(
         "--no-denials", dest="denials", action="store_false",

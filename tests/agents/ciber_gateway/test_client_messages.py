@@ -37,11 +37,11 @@ def test_registrations(data: bytes, expected: Registration) -> None:
 @every_case(("data", "text"), [
     (b"", "datagram: expected well-formed XML"),
     (b'<Robot Name="R2"', "datagram: expected well-formed XML"),
-    (b"<Robot/>", "Robot.Name: expected 1 to 64 characters, got null"),
+    (b"<Robot/>", "Robot.Name: expected 1 to 64 characters, got none"),
     (b'<Robot Name="R" Id="-1"/>', r"Robot.Id: expected a whole number in \[0, 1000\], got '-1'"),
     (b'<Robot Name="R" Id="99999999999"/>', "Robot.Id: expected a whole number"),
     (b'<Robot Name="R"><IRSensor Id="4" Angle="0"/></Robot>', r"IRSensor.Id: expected a whole number in \[0, 3\]"),
-    (b'<Robot Name="R"><IRSensor Angle="0"/></Robot>', "IRSensor.Id: expected a whole number .*, got null"),
+    (b'<Robot Name="R"><IRSensor Angle="0"/></Robot>', "IRSensor.Id: expected a whole number .*, got none"),
     (b'<Robot Name="R"><IRSensor Id="1" Angle="nan"/></Robot>', "IRSensor.Angle: expected a number"),
     (b'<Robot Name="R"><Wheel/></Robot>', "expected elements IRSensor only, got 'Wheel'"),
     (b"<Panel/>", "expected the element Robot or View, got 'Panel'"),

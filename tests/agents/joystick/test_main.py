@@ -58,6 +58,8 @@ def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
     [
         (["--hold", "3"], "--hold: expected with --source words or voice or scan or sip-puff, got auto"),
         (["--source", "gamepad", "--clock", "simulated"], "--clock: expected with --source script, got gamepad"),
+        (["--source", "script"], "--script: expected a file with --source script, got none"),
+        (["--source", "gamepad", "--script", "/dev/null"], "--script: expected with --source script, got gamepad"),
         (["--source", "script", "--script", "/dev/null", "--turn", "1"], "--turn: expected with --source auto or "),
     ],
 )

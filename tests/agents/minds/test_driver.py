@@ -68,5 +68,5 @@ def test_eyes_and_hand_are_added_to_the_robot() -> None:
 
 
 def test_path_is_required() -> None:
-    with pytest.raises(OptionError, match="option points: expected points or to, got none"):
+    with pytest.raises(OptionError, match="options: expected at least one of points and to, got none"):
         Mind(context(robot("corridor-chair")))

@@ -42,7 +42,7 @@ def test_unknown_place_is_refused_with_the_known_ones() -> None:
 
 
 def test_missing_path_is_refused() -> None:
-    with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
+    with pytest.raises(OptionError, match="options: expected at least one of points, via and to, got none"):
         Mind(context(robot("intellwheels")))
 
 

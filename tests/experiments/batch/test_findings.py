@@ -58,10 +58,10 @@ def test_comparison_states_the_expectation_and_the_result(
 def test_rows_of_which_runs_were_not_made_are_not_judged() -> None:
     runs = [*forty(3), StoredRun(row="bad", seed="x"), StoredRun(row="bad", seed="y")]
     asked = Compare(first="bad", second="good", expect="worse")
-    assert sentence(runs, asked) == "The bad is not compared with The good: 2 runs of The bad were not made."
+    assert sentence(runs, asked) == "The bad is not compared with The good: 2 runs of The bad were not done."
     runs = [*forty(3), StoredRun(row="good", seed="x")]
     asked = Compare(first="good", expect="collision-free")
-    assert sentence(runs, asked) == "The good is not judged: 1 run of The good was not made."
+    assert sentence(runs, asked) == "The good is not judged: 1 run of The good was not done."
 
 
 def test_single_row_states_what_it_touched() -> None:

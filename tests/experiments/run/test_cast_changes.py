@@ -92,3 +92,8 @@ def test_wrong_change_is_refused_in_words(minds: list[str], options: list[str], 
     with pytest.raises(WireError) as error:
         with_changes(scene("figure6"), minds, options, commands)
     assert text in error.value.text
+
+
+def test_change_of_a_scene_without_agents_says_that_it_has_none() -> None:
+    with pytest.raises(WireError, match=r"with an agent of the scene \(it has none\), got 'a=avoid'"):
+        with_changes(Scene(format="iw.v1", name="empty", map="room"), ["a=avoid"], [], [])

@@ -29,11 +29,11 @@ def record(waiting: tuple[str, ...] = ()) -> RunRecord:
 
 
 def test_line_has_time_factor_and_remaining_distances() -> None:
-    assert describe(record(), GOALS) == "running 2.0 s, 12.0 times real time, chair1 2.0 m to go, chair2 at its goal"
+    assert describe(record(), GOALS) == "running 2.0 s, 12.0 times real time; chair1 2.0 m to go, chair2 at its goal"
 
 
 def test_line_names_agents_that_are_awaited() -> None:
-    assert "waiting for chair1, chair2" in describe(record(("chair1", "chair2")), GOALS)
+    assert "; waiting for chair1, chair2; chair1 2.0 m to go" in describe(record(("chair1", "chair2")), GOALS)
 
 
 def test_line_before_the_first_message_says_so() -> None:

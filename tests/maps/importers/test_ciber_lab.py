@@ -45,8 +45,9 @@ def test_a_lab_without_a_grid_says_so() -> None:
     ("old", "new", "text"),
     [
         (b'X="3" Y="1"', b'X="three" Y="1"', r"MyLab\.xml: line 6: Corner\.X: expected a number in .*, got 'three'"),
-        (b'X="3" Y="1"', b'Y="1"', r"line 6: Corner\.X: expected a number in .*, got null"),
+        (b'X="3" Y="1"', b'Y="1"', r"line 6: Corner\.X: expected a number in .*, got none"),
         (b'Height="14"', b'Height="1e9"', r"line 3: Lab\.Height: expected a number in \[0\.1, 5000\]"),
+        (b"<Lab ", b'<Lab Format="iw.v1" ', r"MyLab\.xml: expected a lab of the Ciber-Rato .*, got the Lab of"),
         (b"</Lab>", b"", r"MyLab\.xml: line \d: .*expected"),
         (b"<!-- <Map> -->", b'<!DOCTYPE a [<!ENTITY b "c">]>', r"MyLab\.xml: line \d: .*"),
         (b'<Corner X="1" Y="1"/><Corner X="3" Y="1"/>', b"", "expected a wall of at least 3 corners, got 2"),

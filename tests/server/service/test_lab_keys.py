@@ -84,7 +84,7 @@ def test_revoked_file_is_void_and_the_others_stay(folder: Path, capsys: pytest.C
     told = capsys.readouterr()
     assert told.out.endswith("revoked identity=student1\n")
     assert RESTART in told.err
-    assert told.err.endswith("iw-lab: iw-lab invite student1 writes a new file\n")
+    assert told.err.endswith("iw-lab: write a new file with iw-lab invite student1\n")
 
 
 def test_certificates_come_with_a_host_and_the_file_has_the_authority(
@@ -150,7 +150,7 @@ def test_new_lab_and_files_for_everybody(
         (["--lab", "b.xml", "--chair", "a" * 32], "--chair: the name of its bridge: expected a name of a-z"),
         (
             ["--lab", "b.xml", "--chair", "st1-real"],
-            "does not begin as st1-, got st1-real, which a student could drive",
+            "does not begin with st1-, got st1-real, which a student could drive",
         ),
     ],
 )
