@@ -44,10 +44,10 @@ from intellwheels_agents.mind_error import USER_ERRORS, failed
 from intellwheels_agents.mind_run import MindRun
 from intellwheels_agents.options import Options
 from intellwheels_agents.power_gate import PowerGate
-from intellwheels_agents.tick_guard import TickGuard, contradiction
+from intellwheels_agents.tick_guard import TickGuard
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Clock, Error, Joined, Leave, Map, Measures, Refused, Robot
+from intellwheels_schemas.messages import Error, Joined, Leave, Map, Measures, Refused, Robot
 from intellwheels_schemas.rules import joins_barrier
 
 RETRY: Final = 1.0
@@ -276,23 +276,20 @@ class Harness:
 
     def clocked(self, payloads: Sequence[Payload]) -> list[Output]:
         """Handle the answers to a query for the clock; without one, the next measures ask again."""
-        doubted = self._guard.take_doubted()
-        if doubted is None or self._joined is None or self._current is None:
-            return []
-        try:
-            clocks = [decode(Clock, *payload, strict=False) for payload in payloads]
-        except WireError as error:
-            return [Log(f"dropped message=Clock why={error.text!r}")]
-        measures, payload = doubted
-        if why := contradiction(clocks, measures):
-            self.errors += 1
-            return [Log(f"dropped message=Measures why={why!r}")] if self._is_worth_a_line("measures") else []
-        outputs: list[Output] = []
-        if measures.run != self._run:
-            outputs.append(Print(f"run agent={self._agent} run={measures.run}"))
-            self._begin(self._joined, measures.run)
-        self._guard.begin(measures.run, measures.tick)
-        return outputs + self.measured([payload])
+        clock, confirmed, whys = self._guard.settle(payloads)
+        self.errors += len(whys)
+        worth = [why for why in whys if self._is_worth_a_line("measures")]
+        outputs: list[Output] = [Log(f"dropped message=Measures why={why!r}") for why in worth]
+        joined, current = self._joined, self._current
+        if clock is None or joined is None or current is None or (clock.run != self._run and not confirmed):
+            return outputs
+        if clock.run != self._run:
+            outputs.append(Print(f"run agent={self._agent} run={clock.run}"))
+            self._begin(joined, clock.run)
+            self._guard.begin(clock.run, clock.tick)
+        elif self._guard.fooled:
+            current.tick = min(current.tick, clock.tick - 1)
+        return outputs + self.measured(confirmed)
 
     def _repeat(self, current: MindRun) -> list[Output]:
         self.repeated += 1

@@ -81,7 +81,8 @@ NOTES: Final = """
 - `Pose` and `Power` of a real robot carry a `Code`, which the bridge and the simulator make with the `Key` of the
   `Joined`. [PROTOCOL.md](../agents/intellwheels_agents/bridge/PROTOCOL.md) says how.
 - In a world without access rules anybody can put `Measures`. A careful agent takes those of another `Run`, or of a tick
-  far ahead, only after a `get` of `clock` has the same `Run` and about the same `Tick`.
+  far ahead, only after a `get` of `clock` has the same `Run` and no lower `Tick`. Real `Measures` come in order: if a
+  lower `Tick` follows a higher one, one of them is forged or a copy.
 
 ## Encodings
 

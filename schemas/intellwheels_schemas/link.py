@@ -38,7 +38,7 @@ QUEUE_ROOM: Final = 16
 TRY_EVERY: Final = 1.0
 """Seconds between two attempts to open a session."""
 
-START_ONE: Final = "start a simulator (iw-server) or a router there, or name another address with --connect"
+START_ONE: Final = "start a simulator (iw-server) or a router there, or name another with --connect or --identity"
 """What somebody who waits can do."""
 
 _SLICE: Final = 0.2  # s: longest single wait, so that signals are handled

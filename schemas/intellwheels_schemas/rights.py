@@ -46,8 +46,11 @@ def denial(who: Identity, key: str, does: Does = "query") -> str:
     rules = [rule for may in who.may for rule in rules_for(may) if message in rule.messages and rule.flow == flow]
     if any(_covers(pattern, key) for rule in rules for pattern in rule.keys):
         return ""
-    world = key.removeprefix(f"{ROOT}/").partition("/")[0]
-    return f"{sentence(who.name, _WORDS[does], key)}{_elsewhere(who, world)}"
+    world, _, rest = key.removeprefix(f"{ROOT}/").partition("/")
+    # A crew has the right to a name that its agents' names match.
+    names = [name for may in who.may for name in may.agents if may.world == world and may.role in _JOINS["mind"]]
+    crews = f", only as {', '.join(names)}" if names and rest.startswith("crew/") else ""
+    return f"{sentence(who.name, _WORDS[does], key)}{crews or _elsewhere(who, world)}"
 
 
 def sentence(name: str, verb: str, key: str) -> str:

@@ -1,6 +1,7 @@
 """Counts the sessions of each certificate, or of each address, at a router. Pure. Zenoh counts all sessions together.
 
-The router cannot tell whose password opened a session: Zenoh does not say. So without a certificate the address counts.
+The router cannot tell whose password opened a session: Zenoh's events name the owner of a certificate only. A user name
+is in its log alone, once a rule has denied something. So without a certificate the address counts.
 """
 
 from __future__ import annotations

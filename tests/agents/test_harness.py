@@ -231,6 +231,20 @@ def test_gap_that_the_clock_confirms_is_answered(mind: Recorder) -> None:
     assert harness.clocked([clock(303)]) == []
 
 
+@pytest.mark.parametrize("forged", FORGED[2:])
+def test_forged_measures_after_a_gap_make_nobody_deaf(mind: Recorder, forged: tuple[bytes, Encoding]) -> None:
+    harness = joined_harness(mind)
+    harness.measured([measures(0)])
+    assert harness.measured([forged, measures(300), forged]) == [AskClock()]
+    outputs = harness.clocked([clock(300)])
+    assert kinds(outputs) == ["Log", "Publish"]
+    assert put(outputs[1:]).tick == 300
+    # Also when only forged ones came before the answer of the clock, the next real ones count.
+    assert harness.measured([forged]) == [AskClock()]
+    assert kinds(harness.clocked([clock(400)])) == []
+    assert put(harness.measured([forged, measures(401)])).tick == 401
+
+
 def test_long_queue_of_ticks_is_no_gap(mind: Recorder) -> None:
     harness = joined_harness(mind)
     harness.measured([measures(0)])

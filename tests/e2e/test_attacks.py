@@ -9,6 +9,7 @@ import json
 import math
 import os
 import signal
+from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -107,6 +108,28 @@ def _tick_far_ahead(world: World) -> None:
     world.stage.wait(fresh, "poses of a bridge that is not deaf")
 
 
+def _ticks_far_ahead_at_each_tick(world: World) -> None:
+    """While the run stands, no tick passes but those that are asked for: each is answered before the next one."""
+    peer, run = world.peer, world.run()
+    assert peer.ctl("pause")["Code"] == "ok"
+    heard = {"real1": peer.hear("in/real1/pose"), "chair1": peer.hear("in/chair1/actions")}
+    for _ in range(3):
+        for name in heard:
+            for false in (run, STRANGER):
+                peer.put(f"out/{name}/measures", {"Run": false, "Tick": LAST, "Time": 1.0})
+        assert peer.ctl("step")["Code"] == "ok"
+        (clock,) = peer.ask("clock")
+        for name, answers in heard.items():
+
+            def answered(answers: deque[Any] = answers, tick: int = clock["Tick"]) -> bool | None:
+                return any(json.loads(data).get("Tick") == tick for _, data in list(answers)) or None
+
+            world.stage.wait(answered, f"answer of {name} to tick {clock['Tick']}")
+        assert peer.ask("clock")[0]["Tick"] == clock["Tick"]
+    assert peer.ctl("resume")["Code"] == "ok"
+    world.turns_on()
+
+
 def _news_of_a_deletion(world: World) -> None:
     said = {"Run": world.run(), "Tick": 1, "Code": "deleted", "Text": "deleted"}
     world.peer.put("out/chair1/error", said)
@@ -184,6 +207,7 @@ ATTACKS: dict[str, Attack] = {
     "a verb about an agent without it in the key": _steer_without_the_agent_in_the_key,
     "measures of another run": _measures_of_another_run,
     "a tick far ahead": _tick_far_ahead,
+    "a tick far ahead at each tick": _ticks_far_ahead_at_each_tick,
     "the news of a deletion": _news_of_a_deletion,
     "power for the motors of a real chair": _power_for_the_motors,
     "a copy of a power, and a changed copy": _copied_power,

@@ -352,6 +352,36 @@ def test_who_may_does_the_same(room: Room, attack: str) -> None:
         assert link.query(room.teacher, "iw/v1/main/ctl/resume", b"{}")[0].ok
 
 
+def test_while_strangers_forge_each_tick_is_answered_before_the_next(room: Room) -> None:
+    def ask(verb: str) -> None:
+        assert link.query(room.teacher, f"iw/v1/main/ctl/{verb}", b"{}", timeout=DEADLINE)[0].ok
+
+    # No tick passes but those that are asked for.
+    ask("pause")
+    for _ in range(3):
+        room.heard.clear()
+        for (who, _), session in room.sessions.items():
+            for attack in ("make it deaf", "silence a mind with another run", "give its motors power"):
+                session.put(f"iw/v1/main/{ATTACKS[attack].key}", json.dumps(dict(ATTACKS[attack].fields)).encode())
+            room.settle(session, "other" if who == "operator" else "main")
+        ask("step")
+        (clock,) = link.query(room.teacher, "iw/v1/main/clock", timeout=DEADLINE)
+        tick = json.loads(clock.data)["Tick"]
+
+        def answered(tick: int = tick) -> bool | None:
+            found = {key.removeprefix("iw/v1/main/") for key, data in list(room.heard) if _tick_of(data) == tick}
+            return found >= {f"in/{REAL}/pose", f"in/{OWN}/actions"} or None
+
+        room.stage.wait(answered, f"answers to tick {tick}")
+        (clock,) = link.query(room.teacher, "iw/v1/main/clock", timeout=DEADLINE)
+        assert json.loads(clock.data)["Tick"] == tick
+    ask("resume")
+
+
+def _tick_of(data: bytes) -> Any:
+    return json.loads(data).get("Tick")
+
+
 @pytest.mark.parametrize("way", ["password", "certificate"])
 def test_crew_of_a_stranger_gets_no_agent_of_others(room: Room, way: str) -> None:
     session, own = room.sessions["agent", way], f"{OTHER_CREW}-{way}"

@@ -34,6 +34,8 @@ KEYS = Keys("main")
         (STUDENT, "iw/v1/main/ctl/take/st1-a", "query", ""),
         (STUDENT, "iw/v1/main/ctl/take/st2-a", "query", "student1 may not ask for ctl/take/st2-a in world main"),
         (STUDENT, "iw/v1/main/user/st1-a", "put", ""),
+        (STUDENT, "iw/v1/main/crew/st2-p/join", "query",
+         "student1 may not ask for crew/st2-p/join in world main, only as st1-*, lab1"),
         (STUDENT, "iw/v1/main/user/st10", "put", "student1 may not write user/st10 in world main"),
         (STUDENT, "iw/v1/main/state/*", "read", ""),
         (STUDENT, "iw/v1/main/event?since=3", "query", ""),

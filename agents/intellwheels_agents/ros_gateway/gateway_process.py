@@ -35,6 +35,11 @@ from intellwheels_schemas.session_closing import closing
 
 NODE = "intellwheels"
 """Name of the gateway's nodes: `/intellwheels` for the world, `/<name>/intellwheels` for a chair."""
+OTHER_ROUTER = (
+    "the router of a lab denies the keys of ROS; start a router for the ROS nodes too, such as iw-router --listen "
+    "tcp/127.0.0.1:7448, and name it with --ros-connect"
+)
+"""What a gateway says whose nodes would be heard by nobody."""
 
 
 class GatewayProcess:
@@ -81,6 +86,9 @@ class GatewayProcess:
             opened = self._open(self._ros)
             if opened is None:
                 return 0
+            if own_rights.own_rights(opened, sure=True) is not None:
+                opened.close()
+                raise ConnectionError(OTHER_ROUTER)
             graph = stack.enter_context(RosSession(opened, self._domain, humble=self._given.humble, log=_log))
             self._check_names(graph)
             world_session = None

@@ -79,6 +79,10 @@ class Denials:
         self._last[thread] = text
         return ""
 
+    def skip(self) -> None:
+        """Note that lines are missing here: what follows does not belong to what came before."""
+        self._last.clear()
+
     def _dropped(self, why: bytes) -> str:
         found = _DENIED.match(why)
         verb = None if found is None else _VERBS.get(found[4].decode())
