@@ -20,9 +20,10 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 from scipy.special import gammaincinv
 
@@ -149,7 +150,7 @@ def read(file: Path) -> list[Row]:
         wanted = [field.name for field in fields(Row)]
         if reader.fieldnames is not None and list(reader.fieldnames) != wanted:
             raise ValueError(f"{file}: expected the columns {', '.join(wanted)}, got {', '.join(reader.fieldnames)}")
-        kinds = {"str": str, "int": int, "float": float, "bool": "True".__eq__}
+        kinds: dict[str, Callable[[str], Any]] = {"str": str, "int": int, "float": float, "bool": "True".__eq__}
         return [Row(**{one.name: kinds[str(one.type)](line[one.name]) for one in fields(Row)}) for line in reader]
 
 
