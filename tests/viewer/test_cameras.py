@@ -297,6 +297,25 @@ def test_late_echoes_are_no_moves_of_the_user(client: FakeCamera, camera: Camera
     assert shows(client, library.floor("ward"))
 
 
+def test_the_page_says_how_wide_the_scene_is_if_the_report_of_its_camera_does_not(
+    client: FakeCamera, camera: Camera
+) -> None:
+    camera.frame(library.floor("ward"))
+    client.report()
+    before = np.array(client.camera.position)
+    camera.leave_free(0.0, 0.5)
+    narrow = fit(corners_of(library.floor("ward")), STEEP, FOV, 0.5)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    assert not np.allclose(narrow.position, before)
+    camera.leave_free(0.0, 0.5004)  # rounding
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    # A user who has moved the view keeps it.
+    client.report()
+    client.report(position=tuple(narrow.position + 1.0))
+    camera.leave_free(0.0, 1.5)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position + 1.0)
+
+
 def test_following_goes_along_and_keeps_the_users_orbit(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.report()

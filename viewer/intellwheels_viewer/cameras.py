@@ -223,11 +223,19 @@ class Camera:
             self._by_hand = False
             self._fit()
 
-    def leave_free(self, covered: float) -> None:
-        """Fit the map above what panels cover: a share of the picture's height, at its bottom, in [0, 0.8]."""
+    def leave_free(self, covered: float, aspect: float = 0.0) -> None:
+        """Fit the map into what panels leave free.
+
+        Args:
+            covered: The share of the picture's height that they cover, at its bottom, in [0, 0.8].
+            aspect: Width of the picture over its height, 0 if it is not known. Viser's page reports it with its camera,
+                but not always the last of several quick changes, as while panels dock.
+        """
         with self._lock:
-            if abs(covered - self._covered) > 0.005:
+            other = aspect > 0.0 and abs(aspect - self._aspect) > 2e-3  # the page rounds it
+            if other or abs(covered - self._covered) > 0.005:
                 self._covered = covered
+                self._aspect = aspect if other else self._aspect
                 if not self._by_hand:
                     self._fit()
 
