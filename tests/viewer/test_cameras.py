@@ -309,6 +309,11 @@ def test_the_page_says_how_wide_the_scene_is_if_the_report_of_its_camera_does_no
     assert not np.allclose(narrow.position, before)
     camera.leave_free(0.0, 0.5004)  # rounding
     assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    # A report that was on its way says what was before.
+    client.report(aspect=1.28, image_width=1280, image_height=1000)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    assert camera.picture is not None
+    assert camera.picture.width == pytest.approx(500.0)
     # A user who has moved the view keeps it.
     client.report()
     client.report(position=tuple(narrow.position + 1.0))
