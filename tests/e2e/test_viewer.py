@@ -21,6 +21,8 @@ import av
 import pytest
 from PIL import Image, ImageStat
 
+from intellwheels_maps import library
+from intellwheels_viewer.cameras import corners_of
 from tests.e2e import strict_router
 from tests.e2e.page_audit import faint_texts, walked
 from tests.e2e.screen import OPENING, WAIT, Screen, Theatre, poses_of, turned
@@ -182,6 +184,26 @@ def test_poses_in_the_scene_are_the_simulators(screen: Screen, peer: Peer) -> No
     peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)
 
 
+def test_a_label_is_just_above_its_chair_in_the_page_and_the_floor_fills_its_width(screen: Screen, peer: Peer) -> None:
+    shown(screen, peer)
+    corners = corners_of(library.floor("room"))
+    floor = [screen.pixel(x, y, z) for x, y, z in corners]
+    left, width = screen.page.evaluate(
+        "(() => { const box = window.__viserMutable.canvas.getBoundingClientRect(); return [box.left, box.width] })()"
+    )
+    across = [x - left for x, _ in floor]
+    assert min(across) >= 0.0
+    assert max(across) <= width
+    assert max(across) - min(across) >= 0.9 * width
+    for name, (x, y, _) in PLACES.items():
+        # The label's node is where the middle of its lower edge is.
+        spot = f"window.__viserMutable.nodePoseData['/own/labels/{name}']"
+        label = screen.wait(lambda spot=spot: screen.page.evaluate(f"{spot} && {spot}.position"), "a label")  # type: ignore[misc]
+        (across_x, down), (above_x, top) = screen.pixel(*label), screen.pixel(x, y, 1.3)
+        assert abs(across_x - above_x) < 40
+        assert -60 < down - top <= 2, "above the chair, and not far"
+
+
 def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
     world: tuple[Theatre, str], screen: Screen, peer: Peer
 ) -> None:
@@ -269,6 +291,27 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
     screen.page.keyboard.up("l")
     assert at(peer, "chair1") == other
     assert screen.camera() == camera
+
+
+def test_who_drives_a_chair_is_said_and_changes_while_a_hand_drives_it(screen: Screen, peer: Peer) -> None:
+    row, selected = (screen.page.get_by_test_id(name) for name in ("agent-chair2", "selected"))
+
+    def says(words: str) -> None:
+        screen.wait(lambda: words in row.inner_text() or None, f"{words!r} in the row of chair2")
+
+    says("driven by a program")
+    screen.select("chair2")
+    screen.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
+    screen.page.keyboard.down("i")
+    says("driven by you, in this page")
+    screen.wait(lambda: "driven by you, in this page" in selected.inner_text() or None, "the same of the selected")
+    screen.page.keyboard.up("i")
+    stands(screen, peer, "chair2")
+    says("driven by a program")
+    lease = peer.ctl("take", Agent="chair2", Seconds=30.0)["Lease"]
+    says("driven by an operator who took it over")
+    peer.ctl("take", Agent="chair2", Lease=lease, Seconds=0.0)
+    says("driven by a program")
 
 
 def test_a_finger_on_a_phone_drives_until_it_is_lifted_and_the_bar_pauses(

@@ -297,6 +297,30 @@ def test_late_echoes_are_no_moves_of_the_user(client: FakeCamera, camera: Camera
     assert shows(client, library.floor("ward"))
 
 
+def test_the_page_says_how_wide_the_scene_is_if_the_report_of_its_camera_does_not(
+    client: FakeCamera, camera: Camera
+) -> None:
+    camera.frame(library.floor("ward"))
+    client.report()
+    before = np.array(client.camera.position)
+    camera.leave_free(0.0, 0.5)
+    narrow = fit(corners_of(library.floor("ward")), STEEP, FOV, 0.5)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    assert not np.allclose(narrow.position, before)
+    camera.leave_free(0.0, 0.5004)  # rounding
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    # A report that was on its way says what was before.
+    client.report(aspect=1.28, image_width=1280, image_height=1000)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position)
+    assert camera.picture is not None
+    assert camera.picture.width == pytest.approx(500.0)
+    # A user who has moved the view keeps it.
+    client.report()
+    client.report(position=tuple(narrow.position + 1.0))
+    camera.leave_free(0.0, 1.5)
+    assert np.array(client.camera.position) == pytest.approx(narrow.position + 1.0)
+
+
 def test_following_goes_along_and_keeps_the_users_orbit(client: FakeCamera, camera: Camera) -> None:
     camera.choose("follow", entity("a"))
     client.report()

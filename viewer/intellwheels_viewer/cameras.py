@@ -202,6 +202,7 @@ class Camera:
         self._corners: Vector | None = None
         self._aspect = 0.0
         self._covered = 0.0
+        self._aspect_is_told = False
         self._by_hand = False
         # Whether the page has reported one of our writes. Until then it reports its own default camera.
         self._settled = False
@@ -223,11 +224,21 @@ class Camera:
             self._by_hand = False
             self._fit()
 
-    def leave_free(self, covered: float) -> None:
-        """Fit the map above what panels cover: a share of the picture's height, at its bottom, in [0, 0.8]."""
+    def leave_free(self, covered: float, aspect: float = 0.0) -> None:
+        """Fit the map into what panels leave free.
+
+        Args:
+            covered: The share of the picture's height that they cover, at its bottom, in [0, 0.8].
+            aspect: Width of the picture over its height, 0 if it is not known. Once it is, the aspect that viser's page
+                reports with its camera no longer counts: of several quick changes, as while panels dock, the last may
+                be missing there.
+        """
         with self._lock:
-            if abs(covered - self._covered) > 0.005:
+            other = aspect > 0.0 and abs(aspect - self._aspect) > 2e-3  # the page rounds it
+            self._aspect_is_told = self._aspect_is_told or aspect > 0.0
+            if other or abs(covered - self._covered) > 0.005:
                 self._covered = covered
+                self._aspect = aspect if other else self._aspect
                 if not self._by_hand:
                     self._fit()
 
@@ -281,7 +292,8 @@ class Camera:
             try:
                 x, y, z = (float(value) for value in camera.position)
                 to = (float(value) for value in camera.look_at)
-                shown = Picture((x, y, z), tuple(to), camera.fov, camera.image_width, camera.image_height)  # type: ignore[arg-type]
+                width = camera.image_height * self._aspect if self._aspect_is_told else camera.image_width
+                shown = Picture((x, y, z), tuple(to), camera.fov, width, camera.image_height)  # type: ignore[arg-type]
             except AssertionError:
                 return None
             sizes = (*shown.position, *shown.look_at, shown.fov, shown.width, shown.height)
@@ -295,7 +307,8 @@ class Camera:
         position, look_at = np.array(camera.position), np.array(camera.look_at)
         if camera.image_height <= 0 or not np.isfinite((position, look_at)).all():
             return  # a minimised window, or not our page
-        if camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:  # a smaller change is rounding
+        # A smaller change is rounding.
+        if not self._aspect_is_told and camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:
             self._aspect = camera.aspect
             if not self._by_hand:
                 self._fit()

@@ -64,7 +64,7 @@ class PageWindow:
         self._system_dark = window.dark
         self._show_theme()
         self._place(window)
-        self._camera.leave_free(window.covered)
+        self._camera.leave_free(window.covered, window.aspect)
 
     def _place(self, window: Window) -> None:
         main, side = self._client.gui.main_panel, self._side

@@ -72,6 +72,7 @@ def test_a_page_can_say_anything_of_its_window() -> None:
         "[]",
         '{"width":"wide"}',
         '{"covered":2}',
+        '{"aspect":-1}',
         '{"width":-1}',
         "\ud800",
         f'{{"query":"{"x" * 3000}"}}',

@@ -161,8 +161,10 @@ const look = () => {
   for (const one of bar.querySelectorAll('[data-tab]'))
     one.setAttribute('aria-pressed', String(D.body.dataset.iwOpen === one.dataset.tab));
   if (!W.__viserMutable || !W.__viserMutable.sendMessage) return;
+  const box = W.__viserMutable.canvas ? W.__viserMutable.canvas.getBoundingClientRect() : {width: 0, height: 1};
   const news = JSON.stringify({
-    width: W.innerWidth, height: W.innerHeight, dark: dark.matches, covered: Math.round(covered() * 100) / 100, query});
+    width: W.innerWidth, height: W.innerHeight, dark: dark.matches, covered: Math.round(covered() * 100) / 100,
+    aspect: Math.round(1000 * box.width / Math.max(1, box.height)) / 1000, query});
   if (news !== told) { told = news; tell('%WINDOW%', news); }
 };
 const timer = setInterval(look, 250);
@@ -180,6 +182,7 @@ class Window(msgspec.Struct, frozen=True):
         width, height: In px.
         dark: Whether the system wants dark pages.
         covered: Share of the scene's height that is behind panels at its bottom, in [0, 0.8].
+        aspect: Width of the scene over its height; 0 while it is not known.
         query: The query of the page's address, with its question mark.
     """
 
@@ -187,6 +190,7 @@ class Window(msgspec.Struct, frozen=True):
     height: float = 800.0
     dark: bool = False
     covered: float = 0.0
+    aspect: float = 0.0
     query: str = ""
 
 
@@ -197,7 +201,8 @@ def window_of(text: str) -> Window | None:
     except (msgspec.DecodeError, UnicodeEncodeError):
         return None
     sizes = 1.0 <= found.width <= 1e5 and 1.0 <= found.height <= 1e5
-    return found if sizes and 0.0 <= found.covered <= 0.8 and len(found.query) <= 2000 else None
+    shares = 0.0 <= found.covered <= 0.8 and 0.0 <= found.aspect <= 1e5
+    return found if sizes and shares and len(found.query) <= 2000 else None
 
 
 def script_html(act: str, window: str) -> str:
