@@ -96,7 +96,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = CommandParser(
         prog="python -m intellwheels_viewer.gallery",
-        description="Take the ten pictures of the viewer: run the scene figure6, and one in the ward, and open their pages in Chromium.",
+        description="Take the ten pictures of the viewer: of the scene figure6 and of one in the ward, in Chromium.",
         epilog="It takes about 10 minutes on a busy machine, and needs Chromium and the package playwright "
         "(pip install playwright).",
     )
