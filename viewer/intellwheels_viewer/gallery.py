@@ -1,8 +1,9 @@
-"""`python -m intellwheels_viewer.gallery`: takes the eight pictures of the viewer that the repository keeps.
+"""`python -m intellwheels_viewer.gallery`: takes the ten pictures of the viewer that the repository keeps.
 
 The scene figure6 runs with its agents, and a headless Chromium opens its page: every camera, two tabs and a refusal, in
-the light theme. The log of that run is then played in the dark theme. The run is stepped from tick to tick, and a
-picture of a paused page is taken when two in a row are equal, so a slow machine takes longer and shows the same.
+the light theme. The log of that run is then played in the dark theme. A chair that enters the ward gives two more
+pictures of what a driver sees. A run is stepped from tick to tick, and a picture of a paused page is taken when two in
+a row are equal, so a slow machine takes longer and shows the same.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ from intellwheels_schemas.process import PYTHON
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-PICTURES: Final = ("free", "plan", "follow", "first-person", "drive", "place", "refused", "playback")
+PICTURES: Final = (
+    "free", "plan", "follow", "first-person", "first-person-ward", "first-person-corridor", "drive", "place", "refused",
+    "playback",
+)  # fmt: skip
 """The names of the files, without `.jpg`."""
 LIMIT: Final = 180.0
 """Seconds for a start or for one step in a page. A browser that draws in software on a busy machine is slow."""
@@ -43,10 +47,31 @@ FLAGS: Final = (
 """Arguments with which Chromium draws without a graphics card, and with the same colours everywhere."""
 IN_ROOM: Final = 150
 """The tick at which chair1 passes the table."""
+BEFORE_DOOR: Final = 160
+"""The tick at which chair1 has the door before it, half open."""
 AT_DOOR: Final = 250
 """The tick at which chair1 comes to the open door."""
 BEHIND_DOOR: Final = 300
 """The tick at which it is through, and its label is clear of that of the door."""
+
+WARD: Final = """\
+<Scene Format="iw.v1" Name="enter-ward" Title="A chair enters a ward" Map="ward"
+    Seed="1" Period="0.05" Pace="lockstep" Miss="strict">
+  <Cast Name="chair1" Robot="mid-wheel" Mind="waypoints" Place="lobby1">
+    <Option Name="points" Value="-3.0 0.1 -2.0 0.05 1.5 0.05 9.0 -0.2"/>
+  </Cast>
+  <Cast Name="door" Robot="door" Mind="door" Place="ward-door-hinge">
+    <Option Name="swing" Value="right"/>
+    <Option Name="time" Value="6"/>
+  </Cast>
+  <End><Timeout Seconds="60.0"/></End>
+</Scene>
+"""
+"""The scene of the pictures of the ward."""
+IN_LOBBY: Final = 102
+"""The tick at which chair1 has the door of the ward before it, half open."""
+IN_CORRIDOR: Final = 264
+"""The tick at which chair1 has the doorways of the corridor on both sides."""
 
 _TICK: Final = "() => parseInt(document.querySelectorAll('[data-testid=clock] .iw-figure')[1].innerText)"
 
@@ -71,8 +96,9 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = CommandParser(
         prog="python -m intellwheels_viewer.gallery",
-        description="Take the eight pictures of the viewer: run the scene figure6 and open its page in Chromium.",
-        epilog="It takes about 5 minutes and needs Chromium and the package playwright (pip install playwright).",
+        description="Take the ten pictures of the viewer: of the scene figure6 and of one in the ward, in Chromium.",
+        epilog="It takes about 10 minutes on a busy machine, and needs Chromium and the package playwright "
+        "(pip install playwright).",
     )
     found.add_argument(
         "--out", type=Path, default=Path("viewer/gallery"), metavar="FOLDER",
@@ -90,6 +116,7 @@ def main(arguments: list[str] | None = None) -> int:
             log = Path(scratch) / "figure6.jsonl"
             _live(browser, folder, log)
             _playback(browser, folder, log)
+            _ward(browser, folder, Path(scratch) / "enter-ward.xml")
     except (GalleryError, OSError) as error:
         print(f"gallery: {error}", file=sys.stderr)
         return 1
@@ -100,8 +127,11 @@ def _live(browser: Browser, folder: Path, log: Path) -> None:
     """Take the pictures of a run: all but the last while it is paused."""
     scene = ("figure6", "--view", "--view-port", "0", *SLOW, "--log", str(log))
     with _started(r"view it at (\S+)", "intellwheels_experiments", *scene) as url, _page(browser, url) as page:
-        _halt(page, AT_DOOR)
-        for key, name in (("p", "plan"), ("f", "follow"), ("h", "first-person")):
+        _halt(page, BEFORE_DOOR)
+        page.keyboard.press("h")
+        _keep(_picture(page), folder, "first-person")
+        _step(page, AT_DOOR)
+        for key, name in (("p", "plan"), ("f", "follow")):
             page.keyboard.press(key)
             _keep(_picture(page), folder, name)
         page.keyboard.press("o")
@@ -137,6 +167,18 @@ def _playback(browser: Browser, folder: Path, log: Path) -> None:
     ):
         _halt(page, IN_ROOM)
         _keep(_picture(page), folder, "playback")
+
+
+def _ward(browser: Browser, folder: Path, scene: Path) -> None:
+    """Take the pictures that a driver sees in the ward."""
+    scene.write_text(WARD)
+    command = (str(scene), "--view", "--view-port", "0", *SLOW)
+    with _started(r"view it at (\S+)", "intellwheels_experiments", *command) as url, _page(browser, url) as page:
+        _halt(page, IN_LOBBY)
+        page.keyboard.press("h")
+        _keep(_picture(page), folder, "first-person-ward")
+        _step(page, IN_CORRIDOR)
+        _keep(_picture(page), folder, "first-person-corridor")
 
 
 @contextmanager

@@ -42,7 +42,8 @@ def hidden(eye: Points, point: Points, behind: Solid) -> bool:
 def placed(name: str, rgb: RGB) -> Points:
     """Return what has a colour at the joystick of a chair, in the chair's frame."""
     frame = frame_of(robot(name))
-    return grip()[rgb].vertices + np.array([*stick(frame), arm_height(frame) + PIVOT])
+    points: Points = grip()[rgb].vertices + np.array([*stick(frame), arm_height(frame) + PIVOT])
+    return points
 
 
 def right_hand(name: str) -> Points:
