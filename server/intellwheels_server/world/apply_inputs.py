@@ -87,11 +87,14 @@ def _enter_motors(
         index: The columns of the bodies.
         arrays: The left commands, the right ones, and their ages.
     """
-    found = [*map(index.get, actions)]
-    powers = [[*map(motor, actions.values())] for motor in _MOTORS]
-    if None in found or None in powers[0] or None in powers[1]:
+    count = len(actions)
+    try:
+        columns = np.fromiter(map(index.__getitem__, actions), np.int64, count)
+    except KeyError:
         return actions
-    columns = np.array(found, np.int64)
+    powers = [np.fromiter(map(motor, actions.values()), np.float64, count) for motor in _MOTORS]
+    if np.isnan(powers).any():  # what None becomes
+        return actions
     left, right, age = arrays
     left[columns], right[columns] = powers
     age[columns] = 0

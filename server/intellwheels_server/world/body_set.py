@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence, Set
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
@@ -15,7 +15,17 @@ import numpy as np
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
-from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of, radius_of
+from intellwheels_server.world.kernels.arrays import (
+    Bodies,
+    Box,
+    Floats,
+    Ints,
+    Shape,
+    bodies_from,
+    key_of,
+    radius_of,
+    reordered,
+)
 from intellwheels_server.world.kernels.contact_steps import MOST_STEPS
 from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, most_motion, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
@@ -24,6 +34,8 @@ from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_se
 
 if TYPE_CHECKING:
     from intellwheels_server.world.state import Setup, State
+
+_A = TypeVar("_A", Floats, Ints)
 
 MOTOR_STREAM = "@motors"
 """The noise stream of the motors of a body. No sensor can have this id, as none starts with `@`."""
@@ -162,7 +174,6 @@ def assemble(
     """
     names = tuple(sorted(models))
     ordered = [models[name] for name in names]
-    keys = [noise_key(setup.seed, name, MOTOR_STREAM) for name in names]
     plan, samples = plan_sensors(
         [(model.robot, model.start) for model in ordered],
         setup.seed,
@@ -172,28 +183,85 @@ def assemble(
         arrived,
     )
     costliest = max(ordered, key=lambda model: model.rays, default=None)
+    columns = _spliced(ordered, setup, old)
     body_set = BodySet(
         names=names,
         index={name: i for i, name in enumerate(names)},
-        by_key={models[name].key: name for name in names},
-        models={name: models[name] for name in names},
-        bodies=bodies_from([model.shape for model in ordered]),
-        motors=_block([motor_figures(model.robot, setup.period) for model in ordered], MOTOR_ROWS),
-        flaws=_block(
-            [(model.robot.motor_noise, *slip_figures(model.robot, setup.period)) for model in ordered], FLAW_ROWS
-        ),
-        noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
-        .reshape(2, len(names))
-        .view(np.int64),
-        limits=np.array(
-            [[model.timeout for model in ordered], [int(model.externally_posed) for model in ordered]], dtype=np.int64
-        ).reshape(2, len(names)),
-        doors=np.array([model.robot.kind == "door" for model in ordered], dtype=np.int64),
+        by_key={model.key: model.name for model in ordered},
+        models={model.name: model for model in ordered},
+        bodies=columns.bodies,
+        motors=columns.motors,
+        flaws=columns.flaws,
+        noise=columns.noise,
+        limits=columns.limits,
+        doors=columns.doors,
         plan=plan,
         rays=sum(model.rays for model in ordered),
         costliest=costliest.name if costliest is not None and costliest.rays > 0.0 else None,
     )
     return body_set, samples
+
+
+class _Columns(NamedTuple):
+    """The arrays of a body set that have a column for each body: see `BodySet`."""
+
+    bodies: Bodies
+    motors: Floats
+    flaws: Floats
+    noise: Ints
+    limits: Ints
+    doors: Ints
+
+
+def _columns(models: Sequence[BodyModel], setup: Setup) -> _Columns:
+    keys = [noise_key(setup.seed, model.name, MOTOR_STREAM) for model in models]
+    return _Columns(
+        bodies=bodies_from([model.shape for model in models]),
+        motors=_block([motor_figures(model.robot, setup.period) for model in models], MOTOR_ROWS),
+        flaws=_block(
+            [(model.robot.motor_noise, *slip_figures(model.robot, setup.period)) for model in models], FLAW_ROWS
+        ),
+        noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
+        .reshape(2, len(keys))
+        .view(np.int64),
+        limits=np.array(
+            [[model.timeout for model in models], [int(model.externally_posed) for model in models]], dtype=np.int64
+        ).reshape(2, len(models)),
+        doors=np.array([model.robot.kind == "door" for model in models], dtype=np.int64),
+    )
+
+
+def _spliced(models: Sequence[BodyModel], setup: Setup, old: State | None) -> _Columns:
+    """Return what `_columns` returns. Columns of bodies that stay are copied, not computed again."""
+    if old is None or old.setup.seed != setup.seed or old.setup.period != setup.period:
+        return _columns(models, setup)
+    before = old.body_set
+    fresh: list[BodyModel] = []
+    order = []
+    for model in models:
+        known = before.models.get(model.name)
+        if known is not None and (
+            known is model
+            or (known.robot is model.robot and known.shape is model.shape and known.timeout == model.timeout)
+        ):
+            order.append(before.index[model.name])
+        else:
+            order.append(len(before.names) + len(fresh))
+            fresh.append(model)
+    new, columns = _columns(fresh, setup), np.array(order, dtype=np.int64)
+    return _Columns(
+        bodies=reordered(before.bodies, new.bodies, columns),
+        motors=_taken(before.motors, new.motors, columns),
+        flaws=_taken(before.flaws, new.flaws, columns),
+        noise=_taken(before.noise, new.noise, columns),
+        limits=_taken(before.limits, new.limits, columns),
+        doors=_taken(before.doors, new.doors, columns),
+    )
+
+
+def _taken(first: _A, second: _A, columns: Ints) -> _A:
+    """Return columns of two blocks side by side."""
+    return np.concatenate([first, second], axis=-1).take(columns, axis=-1)
 
 
 def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from intellwheels_schemas.messages import Event
@@ -47,8 +49,9 @@ def update_episodes(
         return state.episodes, []
     period = state.setup.period
     pairs = pair_keys(hits, state.body_set.bodies.marks)
-    pairs = pairs[np.lexsort((hits[:, HIT_WALL], pairs[:, 1], pairs[:, 0]))]
-    hold = max(1, int(np.ceil(EPISODE_GAP / period - 1e-9)))
+    if len(pairs) > 1:
+        pairs = pairs[np.lexsort((hits[:, HIT_WALL], pairs[:, 1], pairs[:, 0]))]
+    hold = max(1, math.ceil(EPISODE_GAP / period - 1e-9))
     episodes, began, ended = merge_episodes(state.episodes, pairs, state.tick + 1, hold)
     events: list[Event] = []
     for k in began.tolist():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeVar
 
 import msgspec
@@ -38,8 +39,8 @@ class Draft:
         """Continue from another state. The events so far are kept."""
         self.state = state
         self.models: dict[str, BodyModel] = dict(state.body_set.models)
-        self.numbers = {name: state.numbers[:, i].copy() for i, name in enumerate(state.names)}
-        self.flags = {name: state.flags[:, i].copy() for i, name in enumerate(state.names)}
+        self.numbers: dict[str, Floats] = dict(zip(state.names, state.numbers.T.copy(), strict=True))
+        self.flags: dict[str, Ints] = dict(zip(state.names, state.flags.T.copy(), strict=True))
         self._bodies_changed = False
         self._arrived: set[str] = set()
         self._space: OccupiedSpace | None = None
@@ -127,6 +128,7 @@ class Draft:
 
 
 _T = TypeVar("_T")
+_A = TypeVar("_A", Floats, Ints)
 
 
 def _without(entries: dict[str, _T], name: str) -> dict[str, _T]:
@@ -134,10 +136,11 @@ def _without(entries: dict[str, _T], name: str) -> dict[str, _T]:
 
 
 def _columns(body_set: BodySet, numbers: dict[str, Floats], flags: dict[str, Ints]) -> tuple[Floats, Ints]:
-    count = len(body_set.names)
-    number_block = np.empty((NUMBER_ROWS, count))
-    flag_block = np.empty((FLAG_ROWS, count), dtype=np.int64)
-    for i, name in enumerate(body_set.names):
-        number_block[:, i] = numbers[name]
-        flag_block[:, i] = flags[name]
-    return number_block, flag_block
+    return (
+        _side_by_side([numbers[name] for name in body_set.names], np.empty((NUMBER_ROWS, 0))),
+        _side_by_side([flags[name] for name in body_set.names], np.empty((FLAG_ROWS, 0), dtype=np.int64)),
+    )
+
+
+def _side_by_side(columns: Sequence[_A], none: _A) -> _A:
+    return np.ascontiguousarray(np.concatenate(columns).reshape(len(columns), -1).T) if columns else none

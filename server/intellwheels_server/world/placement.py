@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -14,7 +14,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.floor_bounds import outside
-from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
+from intellwheels_server.world.kernels.arrays import Box, Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
 from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall, overlaps_wall
 from intellwheels_server.world.map_geometry import describe_wall
@@ -30,6 +30,12 @@ _Arrays = tuple[list[str], Floats, Floats, Floats, Ints]
 """Of all bodies: the names, the poses, the radii, the parts, and where those of each body start."""
 
 
+@lru_cache(maxsize=1024)  # a change of the bodies asks for those of all
+def _outline(boxes: tuple[Box, ...]) -> tuple[Floats, float]:
+    """Return the boxes as a part block, which nobody may change, and the distance of the farthest corner, m."""
+    return part_rows(boxes), radius_of(boxes)
+
+
 class OccupiedSpace:
     """The space that walls and bodies occupy. Its arrays are built again after a body was moved or removed."""
 
@@ -41,6 +47,7 @@ class OccupiedSpace:
         self._poses: dict[str, tuple[float, float, float]] = {}
         self._anchored: set[str] = set()
         self._arrays: _Arrays | None = None
+        self._named: dict[str, Place] | None = None
         self._starts: dict[str, tuple[tuple[str, Position], ...]] = {}
         # The starts of a kind at which a shape may fit, by the bytes of its parts. Those at which it overlaps something
         # are left out until a body moves or goes.
@@ -49,8 +56,7 @@ class OccupiedSpace:
     def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
         """Add a body at a pose, or move it there."""
         known = name in self._parts
-        self._parts[name] = part_rows(model.shape.boxes)
-        self._radii[name] = radius_of(model.shape.boxes)
+        self._parts[name], self._radii[name] = _outline(tuple(model.shape.boxes))
         self._poses[name] = (float(x), float(y), float(heading))
         if model.robot.anchored:
             self._anchored.add(name)
@@ -75,10 +81,19 @@ class OccupiedSpace:
 
     def overlap_at(self, model: BodyModel, position: Position) -> str | None:
         """Return a description of what a body would overlap at a position, or None."""
-        boxes = model.shape.boxes
-        return self._deepest(
-            part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
-        )[1]
+        parts, radius = _outline(tuple(model.shape.boxes))
+        return self._deepest(parts, radius, (position.x, position.y, position.heading), model.name)[1]
+
+    def place_named(self, name: str) -> Place:
+        """Return the place of the map with a name.
+
+        Raises:
+            RequestRefusedError: `no-place`, with the names of the places.
+        """
+        if self._named is None:
+            spots = self._floor.grid.position if self._floor.grid is not None else ()
+            self._named = {spot.name: spot for spot in reversed(spots)}
+        return self._named.get(name) or place_named(self._floor, name)
 
     def first_free(self, model: BodyModel, suits: Callable[[str, Position], bool]) -> Position | None:
         """Return the first start of its kind that suits and at which a new body would overlap nothing, or None.
@@ -88,7 +103,7 @@ class OccupiedSpace:
             suits: Tells whether a start does, by its name and pose.
         """
         walls, kind = self._walls, model.robot.kind
-        parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
+        parts, radius = _outline(tuple(model.shape.boxes))
         _, poses, radii, others, starts = self._blocks()
         if kind not in self._starts:
             self._starts[kind] = tuple((spot.name, position_of(spot)) for spot in places_for(self._floor, kind))
@@ -190,7 +205,7 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
     kept = {spot.name: position_of(spot) for spot in spots if spot.name in reserved} if reserved else {}
     wanted = None
     if robot.place is not None:
-        wanted = position_of(place_named(floor, robot.place))
+        wanted = position_of(space.place_named(robot.place))
     if wanted is None:
         wanted = robot.position
     if wanted is not None:

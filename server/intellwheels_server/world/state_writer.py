@@ -98,7 +98,8 @@ class StateWriter:
         self._name_text = np.frombuffer("".join(names).encode(), np.uint8)
         self._name_ends = np.cumsum([0, *(len(name) for name in names)], dtype=np.int64)
         self._none = np.zeros(len(names) + 1, np.int64)
-        self._words = {name: words for name, words in self._words.items() if name in set(names)}
+        here = set(names)
+        self._words = {name: words for name, words in self._words.items() if name in here}
 
     def _all_words(self, state: State) -> tuple[bytes, Ints]:
         """Return what bodies say of themselves, and where it ends for each."""

@@ -19,6 +19,19 @@ def test_motor_that_is_left_out_keeps_its_command() -> None:
     assert state.numbers[rows.SPEED, 0] == pytest.approx(0.35)
 
 
+def test_motor_that_one_of_many_leaves_out_keeps_its_command_too() -> None:
+    names = [f"a{k:02d}" for k in range(40)]
+    state = world({name: cart(x=3.0 * k) for k, name in enumerate(names)})
+    both = {name: Actions(left_motor=0.5, right_motor=-0.5) for name in names}
+    state = act(state, **both)
+    assert state.numbers[rows.LEFT_COMMAND].tolist() == [0.5] * 40
+    state = act(state, **{**both, "a07": Actions(right_motor=0.25)})
+    assert state.numbers[rows.LEFT_COMMAND].tolist() == [0.5] * 40
+    assert state.numbers[rows.RIGHT_COMMAND, 6:9].tolist() == [-0.5, 0.25, -0.5]
+    state = act(state, **both, ghost=Actions(left_motor=1.0, right_motor=1.0))
+    assert state.numbers[rows.RIGHT_COMMAND].tolist() == [-0.5] * 40
+
+
 def test_actions_without_motors_do_not_restart_the_time_out() -> None:
     state = act(world({"a": cart()}), a=Actions(left_motor=1.0, right_motor=1.0))
     for _ in range(30):

@@ -1,14 +1,16 @@
 import itertools
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import msgspec
+import numpy as np
 import pytest
 
 from intellwheels_maps import names, robot
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.file_records import Inputs, Join
-from intellwheels_schemas.messages import Actions, Corner, Part, Position, Robot, Wall
+from intellwheels_schemas.file_records import Change, Depart, Inputs, Join
+from intellwheels_schemas.messages import IMU, Actions, Corner, Lidar, Part, Position, Proximity, Robot, Wall
 from intellwheels_server.world import advance, apply, begin
 from intellwheels_server.world.body_set import assemble, body_model_of
 from intellwheels_server.world.kernels import rows
@@ -125,3 +127,74 @@ def test_no_accepted_body_passes_a_wall(speed: float, period: float) -> None:
             state, _ = advance(state, Inputs(actions=actions))
         for name, x in zip(state.names, state.numbers[rows.X], strict=True):
             assert x < 0.0, (length, width, *lanes[name])
+
+
+def eyes(count: int, model: Literal["ideal", "infrared", "sonar"] = "ideal") -> tuple[Proximity, ...]:
+    eye = Proximity(id="e", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model=model)
+    slow = {"every": 4, "latency": 2, "crosstalk": 1.0} if model == "sonar" else {}
+    return tuple(
+        msgspec.structs.replace(eye, id=f"{model}{k}", mount="start" if k % 2 else "body", **slow) for k in range(count)
+    )
+
+
+def test_bodies_that_come_and_go_leave_the_arrays_that_all_bodies_together_have() -> None:
+    robots = {
+        "m": cart(proximity=eyes(3, "infrared") + eyes(2, "sonar") + eyes(1), imu=(IMU(id="i"),)),
+        "c": cart(
+            proximity=eyes(2),
+            lidar=(Lidar(id="l", x=0.0, y=0.0, z=0.3, direction_deg=0.0, fov_deg=90.0, rays=4, max_range=5.0),),
+        ),
+        "x": cart(part=(Part(x=0.0, y=0.0, length=0.5, width=0.4, bottom=0.0, top=1.0),) * 2, length=None, width=None),
+        "a": cart(kind="door", anchored=True, proximity=eyes(1, "sonar")),
+        "g": cart(proximity=eyes(4), motor_noise=0.1, imu=(IMU(id="i"),)),
+    }
+
+    def joined(*names: str) -> list[Change]:
+        return [
+            Join(
+                agent=name,
+                robot=msgspec.structs.replace(
+                    robots[name], position=Position(x=3.0 * (ord(name) - ord("a")), y=0.0, heading=0.5)
+                ),
+            )
+            for name in names
+        ]
+
+    def gone(name: str) -> list[Change]:
+        return [Depart(agent=name)]
+
+    setup = Setup(floor=floor_of(), seed="7")
+    state = begin(setup, RUN)
+    for changes in (
+        joined("m", "x"), joined("c"), gone("x"), joined("x", "a"), gone("m") + joined("g", "m"), gone("c"),
+    ):  # fmt: skip
+        state, outputs = apply(state, changes)
+        assert [outcome.code for outcome in outputs.outcomes] == ["ok"] * len(changes)
+        anew, samples = assemble(dict(state.body_set.models), setup, 0, None)
+        assert samples.shape == state.samples.shape
+        assert (anew.names, anew.index, anew.by_key) == (
+            state.names,
+            state.body_set.index,
+            state.body_set.by_key,
+        )
+        assert numbers_in(anew.bodies) == numbers_in(state.body_set.bodies)
+        for name in ("motors", "flaws", "noise", "limits", "doors"):
+            assert numbers_in(getattr(anew, name)) == numbers_in(getattr(state.body_set, name))
+        assert numbers_in((anew.plan.memory, anew.plan.spans)) == numbers_in(
+            (state.body_set.plan.memory, state.body_set.plan.spans)
+        )
+        assert len(anew.plan.blocks) == len(state.body_set.plan.blocks)
+        for block, there in zip(anew.plan.blocks, state.body_set.plan.blocks, strict=True):
+            assert numbers_in(vars(block)) == numbers_in(vars(there))
+
+
+def numbers_in(value: object) -> list[object]:
+    """Return the types, shapes and bytes of all arrays in blocks, tuples and dictionaries."""
+    if isinstance(value, np.ndarray):
+        assert value.flags.c_contiguous
+        return [str(value.dtype), value.shape, value.tobytes()]
+    if isinstance(value, dict):
+        return [(key, numbers_in(one)) for key, one in value.items()]
+    if isinstance(value, tuple):
+        return [numbers_in(one) for one in value]
+    return [value]

@@ -189,3 +189,24 @@ def bodies_from(shapes: Sequence[Shape]) -> Bodies:
             np.int64,
         ).reshape(3, len(shapes)),
     )
+
+
+def reordered(first: Bodies, second: Bodies, columns: Ints) -> Bodies:
+    """Return bodies of two blocks in another order.
+
+    Args:
+        first: Some bodies.
+        second: Others.
+        columns: int64[n], which body comes where: its column in `first`, or that in `second` behind those of `first`.
+    """
+    counts = np.concatenate([np.diff(first.part_start), np.diff(second.part_start)])
+    starts = np.concatenate([first.part_start[:-1], second.part_start[:-1] + len(first.parts)])[columns]
+    counts = counts[columns]
+    part_start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    places = np.arange(part_start[-1]) + np.repeat(starts - part_start[:-1], counts)
+    return Bodies(
+        parts=np.concatenate([first.parts, second.parts]).take(places, axis=0),
+        part_start=part_start,
+        shape=np.concatenate([first.shape, second.shape], axis=1).take(columns, axis=1),
+        marks=np.concatenate([first.marks, second.marks], axis=1).take(columns, axis=1),
+    )

@@ -192,7 +192,7 @@ def scan(
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
     _, boxes, extents, cell_start, cell_bodies, grid = placed
-    around, polygons, solids, indices, found_for = nearby
+    around, polygons, solids, filled, indices, found_for = nearby
     for sensor in range(scans.shape[0]):
         first_ray = scans[sensor, FIRST_RAY]
         count = scans[sensor, END_RAY] - first_ray
@@ -213,7 +213,7 @@ def scan(
         place = Place(x, y, farthest + SLACK, owner, sensor)
         of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, indices)
         near, polygon_count = gather_walls(
-            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, indices, found_for
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, filled, indices, found_for
         )
         found = Found(of_bodies, near, polygon_count)
         rays = np.empty((2, count))

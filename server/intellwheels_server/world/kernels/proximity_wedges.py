@@ -182,7 +182,7 @@ def _sense_all(
     """
     part_start, boxes, extents, cell_start, cell_bodies, grid = placed
     pieces, links, edges, cells, frame = walls
-    around, polygons, solids, found, found_for = nearby
+    around, polygons, solids, filled, found, found_for = nearby
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
         any_due = False
@@ -196,7 +196,7 @@ def _sense_all(
         place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], number + mount)
         of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, found)
         near, polygon_count = gather_walls(
-            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, found, found_for
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, filled, found, found_for
         )
         # The loop over sensors calls nothing that takes many arrays: passing them costs as much as a sensor.
         for sensor in range(begin, end):

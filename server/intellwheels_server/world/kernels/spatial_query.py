@@ -81,7 +81,8 @@ class Nearby(NamedTuple):
     Attributes:
         around: float64[10, boxes + pieces + LANES]: boxes, columns of a block of boxes as rows.
         polygons: int64[pieces], wall pieces that are no boxes.
-        solids: float64[pieces, 10], wall pieces as boxes; those that are not filled in yet have a half width below 0.
+        solids: float64[pieces, 10], wall pieces as boxes.
+        filled: int64[pieces], 1 for those that are filled in.
         found: int64[pieces or bodies], what was found around a place.
         found_for: int64[pieces], as `pieces_near` takes it.
     """
@@ -89,6 +90,7 @@ class Nearby(NamedTuple):
     around: Floats
     polygons: Ints
     solids: Floats
+    filled: Ints
     found: Ints
     found_for: Ints
 
@@ -244,10 +246,9 @@ def room_for(placed: PlacedBodies, walls: Walls) -> Nearby:
     """Return buffers for all that can be gathered around a place."""
     count, bodies = walls.pieces.shape[0], placed.extents.shape[0]
     around = np.empty((10, placed.boxes.shape[0] + count + LANES))
-    solids = np.empty((count, 10))
-    solids[:, WIDE] = -1.0
+    solids, filled = np.empty((count, 10)), np.zeros(count, np.int64)
     found = np.empty(max(count, bodies), np.int64)
-    return Nearby(around, np.empty(count, np.int64), solids, found, np.full(count, -1, np.int64))
+    return Nearby(around, np.empty(count, np.int64), solids, filled, found, np.full(count, -1, np.int64))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -282,7 +283,7 @@ def gather_bodies(
 @njit(cache=True, error_model="numpy", inline="always")
 def gather_walls(
     place: Place, pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, near: int, around: Floats,
-    polygons: Ints, solids: Floats, found: Ints, found_for: Ints,
+    polygons: Ints, solids: Floats, filled: Ints, found: Ints, found_for: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Gather the wall pieces within reach of a place, behind the bodies.
 
@@ -294,9 +295,10 @@ def gather_walls(
         cells: Of the walls.
         frame: Of the walls.
         near: The number of boxes so far.
-        around: Of the `Nearby`, as the next four; in and out.
+        around: Of the `Nearby`, as the next five; in and out.
         polygons: Of the `Nearby`.
         solids: Of the `Nearby`.
+        filled: Of the `Nearby`.
         found: Of the `Nearby`.
         found_for: Of the `Nearby`.
 
@@ -306,8 +308,9 @@ def gather_walls(
     polygon_count = 0
     for at in range(pieces_near(place, pieces, cells, frame, found, found_for)):
         piece = found[at]
-        if solids[piece, WIDE] < 0.0:
+        if filled[piece] == 0:
             _fill_solid(piece, pieces, links, edges, solids)
+            filled[piece] = 1
         if solids[piece, LONG] > 0.0:
             for column in range(10):
                 around[column, near] = solids[piece, column]

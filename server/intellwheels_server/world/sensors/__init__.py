@@ -84,25 +84,41 @@ FittedFields = tuple[tuple[str, tuple[_Place, ...]], ...]
 """The sensors of a body, by the field that lists them."""
 
 
-class _Scheduled(NamedTuple):
-    """A sensor with the row of its schedule, in which its first sample is counted from that of its body.
+class _Part(NamedTuple):
+    """The sensors of one kind on a body.
 
     Attributes:
-        kind: Its kind.
-        place: Its samples.
-        row: The row.
-        memory: Numbers that it remembers, behind its samples.
+        kind: The kind.
+        piece: What `Kind.piece` made of them.
+        rows: int64[sensors, 8], their schedule. The body is 0, and first samples are counted from those of the body.
     """
 
     kind: Kind
-    place: _Place
-    row: tuple[int, ...]
-    memory: int
+    piece: Any
+    rows: Ints
+
+
+class _Own(NamedTuple):
+    """The simulated sensors of one body. Nothing in it depends on other bodies, so it is made once.
+
+    Attributes:
+        size: Numbers of their samples and memories.
+        fields: The sensors, by the field that lists them.
+        parts: The sensors, by kind.
+        spans: int64[sensors, 2], the first place and the end of the samples of each sensor, without its memory.
+        memory: int64[...], the places that are memory of sensors, ascending.
+    """
+
+    size: int
+    fields: FittedFields
+    parts: tuple[_Part, ...]
+    spans: Ints
+    memory: Ints
 
 
 @dataclass(frozen=True, slots=True)
 class _Fitting:
-    """The sensors of one body, by the field that lists them, and in order. Its samples are contiguous."""
+    """The sensors of one body, and the places of its samples, which are contiguous."""
 
     robot: Robot
     start: Position
@@ -110,7 +126,7 @@ class _Fitting:
     begin: int
     end: int
     fields: FittedFields
-    sensors: tuple[_Scheduled, ...]
+    own: _Own
 
 
 @dataclass(frozen=True)
@@ -164,103 +180,111 @@ def plan_sensors(
     same = before is not None and before[0].seed == seed and before[0].floor is floor
     fittings: list[_Fitting] = []
     kept: list[tuple[_Fitting, _Fitting]] = []
-    fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
+    parts: dict[Kind, list[tuple[int, int, _Part]]] = {}
     size = 0
-    remembered: list[int] = []
-    spans: list[tuple[int, int]] = []
     for body, (robot, start) in enumerate(bodies):
         old = None if robot.name in arrived else stayed.get(robot.name)
-        stays = old is not None and (old.robot is robot or old.robot == robot) and old.start == start
-        joined = old.joined if old is not None and stays else tick
-        begin = size
-        if old is not None and stays and same:
-            sensors = _moved(old.sensors, body)
-        else:
-            sensors = _fit(body, robot, start, joined, seed, floor)
-        fields: dict[str, list[_Place]] = {}
-        for one in sensors:
-            kind, place = one.kind, one.place
-            row = list(one.row)
-            row[sample_schedule.FIRST_SAMPLE] = size
-            fitted.setdefault(kind, []).append((place.sensor, row))
-            spans.append((size, size + place.depth * place.width))
-            size += place.depth * place.width
-            remembered.extend(range(size, size + one.memory))
-            size += one.memory
-            fields.setdefault(kind.field, []).append(place)
-        listed = tuple((field, tuple(places)) for field, places in fields.items())
-        fittings.append(_Fitting(robot, start, joined, begin, size, listed, sensors))
-        if old is not None and stays:
-            kept.append((old, fittings[-1]))
+        if old is not None and not (old.start == start and (old.robot is robot or old.robot == robot)):
+            old = None
+        joined = tick if old is None else old.joined
+        own = old.own if old is not None and same else _fit(robot, start, joined, seed, floor)
+        fitting = _Fitting(robot, start, joined, size, size + own.size, own.fields, own)
+        for part in own.parts:
+            parts.setdefault(part.kind, []).append((body, size, part))
+        size += own.size
+        fittings.append(fitting)
+        if old is not None:
+            kept.append((old, fitting))
     samples = np.zeros(size)
     if before is not None:
         for old, new in kept:
             samples[new.begin : new.end] = before[1][old.begin : old.end]
-    blocks = tuple(_compiled(kind, sensors) for kind, sensors in fitted.items())
+    begins = np.array([fitting.begin for fitting in fittings], dtype=np.int64)
     plan = SensorPlan(
-        blocks=blocks,
+        blocks=tuple(_block(kind, found) for kind, found in parts.items()),
         fittings=tuple(fittings),
-        memory=np.array(remembered, dtype=np.int64),
-        spans=np.array(spans, dtype=np.int64).reshape(-1, 2),
+        memory=_placed([fitting.own.memory for fitting in fittings], begins, _NO_MEMORY),
+        spans=_placed([fitting.own.spans for fitting in fittings], begins, _NO_SPANS),
         seed=seed,
         floor=floor,
     )
     return plan, samples
 
 
-def _fit(body: int, robot: Robot, start: Position, joined: int, seed: str, floor: Map) -> tuple[_Scheduled, ...]:
+_NO_MEMORY = np.empty(0, dtype=np.int64)
+_NO_SPANS = np.empty((0, 2), dtype=np.int64)
+
+
+def _fit(robot: Robot, start: Position, joined: int, seed: str, floor: Map) -> _Own:
     """Return the simulated sensors of a body."""
-    found: list[_Scheduled] = []
+    fields: dict[str, list[_Place]] = {}
+    found: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
+    spans: list[tuple[int, int]] = []
+    remembered: list[int] = []
     first = 0
     for _, _, declaration in sensors_of(robot):
         if declaration.source == "real":
             continue
         kind = KINDS[type(declaration)]
-        sensor = Fitted(body, robot, start, declaration, floor)
+        sensor = Fitted(robot, start, declaration, floor)
         every, latency, phase = declaration.every, declaration.latency, kind.phase(declaration)
         depth, width = sample_schedule.depth(every, latency), kind.width(declaration)
         place = _Place(kind.reading, sensor, first, width, depth, every, latency, phase)
+        fields.setdefault(kind.field, []).append(place)
         key = noise_key(seed, str(robot.name), kind.stream(sensor))
+        found.setdefault(kind, []).append((sensor, _row(declaration, joined + phase, first, depth, key)))
+        spans.append((first, first + depth * width))
+        first += depth * width
         memory = kind.memory(declaration)
-        found.append(_Scheduled(kind, place, _row(body, declaration, joined + phase, first, depth, key), memory))
-        first += depth * width + memory
-    return tuple(found)
+        remembered.extend(range(first, first + memory))
+        first += memory
+    return _Own(
+        size=first,
+        fields=tuple((field, tuple(places)) for field, places in fields.items()),
+        parts=tuple(_part(kind, sensors) for kind, sensors in found.items()),
+        spans=np.array(spans, dtype=np.int64).reshape(-1, 2),
+        memory=np.array(remembered, dtype=np.int64),
+    )
 
 
-def _moved(sensors: tuple[_Scheduled, ...], body: int) -> tuple[_Scheduled, ...]:
-    """Return the sensors of a body that stays, at its index now. All else about them is as it was."""
-    if not sensors or sensors[0].place.sensor.body == body:
-        return sensors
-    moved = []
-    for one in sensors:
-        row = list(one.row)
-        row[sample_schedule.BODY] = body
-        place = one.place._replace(sensor=one.place.sensor._replace(body=body))
-        moved.append(one._replace(place=place, row=tuple(row)))
-    return tuple(moved)
-
-
-def _row(
-    body: int, declaration: Any, joined: int, first: int, depth: int, key: tuple[np.uint64, np.uint64]
-) -> tuple[int, ...]:
+def _row(declaration: Any, joined: int, first: int, depth: int, key: tuple[np.uint64, np.uint64]) -> list[int]:
     row = [0] * sample_schedule.SCHEDULE_COLUMNS
-    row[sample_schedule.BODY] = body
     row[sample_schedule.EVERY] = declaration.every
     row[sample_schedule.LATENCY] = declaration.latency
     row[sample_schedule.JOINED] = joined
     row[sample_schedule.FIRST_SAMPLE] = first
     row[sample_schedule.DEPTH] = depth
     row[sample_schedule.KEY0], row[sample_schedule.KEY1] = (int(half.view(np.int64)) for half in key)
-    return tuple(row)
+    return row
 
 
-def _compiled(kind: Kind, sensors: list[tuple[Fitted, list[int]]]) -> Block:
-    # The sort is stable: bodies stay in order, and so do the sensors of one mount.
-    ordered = sorted(
-        sensors, key=lambda sensor: (sensor[0].body, getattr(sensor[0].declaration, "mount", "") == "start")
-    )
+def _part(kind: Kind, sensors: list[tuple[Fitted, list[int]]]) -> _Part:
+    # The sort is stable: so the sensors of one mount stay in order.
+    ordered = sorted(sensors, key=lambda sensor: getattr(sensor[0].declaration, "mount", "") == "start")
     rows = np.array([row for _, row in ordered], dtype=np.int64)
-    return kind.compile([sensor for sensor, _ in ordered], rows)
+    return _Part(kind, kind.piece(tuple(sensor for sensor, _ in ordered)), rows)
+
+
+def _block(kind: Kind, found: Sequence[tuple[int, int, _Part]]) -> Block:
+    """Return the block of a kind.
+
+    Args:
+        kind: The kind.
+        found: Of each body that has such sensors its index, the place of its samples, and the sensors.
+    """
+    counts = [len(part.rows) for _, _, part in found]
+    schedule = np.concatenate([part.rows for _, _, part in found])
+    schedule[:, sample_schedule.BODY] = np.repeat([body for body, _, _ in found], counts)
+    schedule[:, sample_schedule.FIRST_SAMPLE] += np.repeat([begin for _, begin, _ in found], counts)
+    return kind.assemble([part.piece for _, _, part in found], schedule)
+
+
+def _placed(places: Sequence[Ints], begins: Ints, none: Ints) -> Ints:
+    """Return places of all bodies, each of which counts them from the place where its samples begin."""
+    placed = np.concatenate([none, *places])
+    shift = np.repeat(begins, [len(one) for one in places])
+    placed += shift.reshape(-1, *[1] * (placed.ndim - 1))
+    return placed
 
 
 def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:

@@ -63,14 +63,12 @@ class Fitted(NamedTuple):
     """A sensor on a body.
 
     Attributes:
-        body: Index of the body.
         robot: The body's robot.
         start: Pose at which the body joined.
         declaration: The sensor.
         floor: The map, for its names.
     """
 
-    body: int
     robot: Robot
     start: Position
     declaration: Declaration
@@ -248,6 +246,26 @@ class Kind(ABC):
             fitted: The sensors by body, those mounted on the body before those left at its start.
             schedule: int64[sensors, 8], in the same order.
         """
+
+    def piece(self, fitted: Sequence[Fitted], /) -> Any:
+        """Return what `assemble` needs of the sensors of one body; by default the sensors.
+
+        It is made once for each body. A kind with many sensors prepares arrays here, so that a join need not make those
+        of all other bodies again.
+
+        Args:
+            fitted: As `compile` takes them.
+        """
+        return fitted
+
+    def assemble(self, pieces: Sequence[Any], schedule: Ints, /) -> Block:
+        """Return the block of the sensors of all bodies that have any; by default what `compile` makes.
+
+        Args:
+            pieces: The piece of each such body, in the order of the bodies.
+            schedule: int64[sensors, 8], in the same order.
+        """
+        return self.compile([sensor for piece in pieces for sensor in piece], schedule)
 
     @abstractmethod
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> Record:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -84,13 +85,14 @@ class LidarKind(Kind):
         """Return the block."""
         scanners: list[tuple[float, ...]] = []
         reels: list[tuple[int, int, int]] = []
-        directions: list[tuple[float, float]] = []
+        directions: list[Floats] = []
+        end = 0
         for sensor in fitted:
             one: Lidar = sensor.declaration
             start, step = angles(one)
-            begin = len(directions)
-            directions.extend(unit_vector(start + ray * step) for ray in range(one.rays))
-            reels.append((int(one.mount == "start"), begin, len(directions)))
+            directions.append(_directions(start, step, one.rays))
+            begin, end = end, end + one.rays
+            reels.append((int(one.mount == "start"), begin, end))
             least_cos, _ = unit_vector(one.incidence_deg)
             at = (sensor.start.x, sensor.start.y, sensor.start.heading, one.x, one.y, one.z)
             errors = (one.noise, one.noise_share, least_cos, one.dropout)
@@ -98,7 +100,7 @@ class LidarKind(Kind):
         return LidarBlock(
             scanners=np.array(scanners, dtype=np.float64),
             reels=np.array(reels, dtype=np.int64),
-            directions=np.array(directions, dtype=np.float64),
+            directions=np.concatenate(directions),
             schedule=schedule,
         )
 
@@ -114,3 +116,15 @@ class LidarKind(Kind):
             ranges=tuple([way if way >= 0.0 else None for way in sample[1:]]),
             statuses=tuple(["ok" if way >= 0.0 else _STATUS[int(-way)] for way in sample[1:]]),
         )
+
+
+@lru_cache(maxsize=64)  # most scanners are like another one
+def _directions(start: float, step: float, rays: int) -> Floats:
+    """Return the unit vectors of rays, float64[rays, 2], which nobody may change.
+
+    Args:
+        start: Direction of the first ray, degrees.
+        step: From ray to ray, degrees.
+        rays: How many.
+    """
+    return np.array([unit_vector(start + ray * step) for ray in range(rays)], dtype=np.float64)

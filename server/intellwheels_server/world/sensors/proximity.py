@@ -9,12 +9,12 @@ the distances of the others.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from itertools import groupby
-from typing import Final, NamedTuple, get_args
+from operator import itemgetter
+from typing import Final, get_args
 
 import numpy as np
 from numba import njit
@@ -23,11 +23,6 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Model, Proximity, ProximityReading, Status
 from intellwheels_schemas.sonar_devices import (
     DEVICES,
-    FREQUENCY,
-    SPEED_OF_SOUND,
-    SURE_SHARE,
-    THIN_DISTANCE,
-    THIN_WIDTH,
     reading_time,
     sample_time,
     ticks_for,
@@ -36,20 +31,25 @@ from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.measures_text import DECIMAL
 from intellwheels_server.world.kernels.noise import normal, uniform
 from intellwheels_server.world.kernels.proximity_wedges import (
-    BEAM_COLUMNS,
-    GROUP_COLUMNS,
-    MOUNT_COLUMNS,
     SAMPLE_WIDTH,
     STATUS_FAULT,
     STATUS_OK,
     sense_proximity,
     sense_proximity_many,
 )
-from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
-from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
+from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
-from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
+from intellwheels_server.world.sensors.proximity_arrays import (
+    DROPOUT,
+    FARTHEST,
+    NEAREST,
+    SIGMA,
+    Grouped,
+    Piece,
+    joined,
+    piece_of,
+)
 from intellwheels_server.world.shared_work import parts_of, share
 
 WEDGE_RAYS: Final = 2.0
@@ -60,14 +60,8 @@ CROSSTALK_RAYS: Final = 15.0
 """Rays of a lidar that cost as much as looking for the pings of others, measured with eight sonars on each body."""
 FEWEST_SHARED: Final = 200
 """Bodies with sensors from which on a second thread takes less time than it costs."""
-VOLT_METRES: Final = 0.47
-"""c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
 _STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
-
-# Columns of an infrared block, float64[sensors, 4]: standard deviation over the square of the distance, 1/m; share of
-# samples that fail; range, m.
-_SIGMA, _DROPOUT, _NEAREST, _FARTHEST = 0, 1, 2, 3
 
 
 @njit(cache=True, error_model="numpy")
@@ -80,9 +74,9 @@ def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None
         key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
         if samples[slot] == STATUS_OK:
             exact = samples[slot + 1]
-            told = exact + infrared[sensor, _SIGMA] * exact * exact * normal(key0, key1, tick, 0)
-            samples[slot + 1] = min(max(told, infrared[sensor, _NEAREST]), infrared[sensor, _FARTHEST])
-        if infrared[sensor, _DROPOUT] > 0.0 and uniform(key0, key1, tick, 1) < infrared[sensor, _DROPOUT]:
+            told = exact + infrared[sensor, SIGMA] * exact * exact * normal(key0, key1, tick, 0)
+            samples[slot + 1] = min(max(told, infrared[sensor, NEAREST]), infrared[sensor, FARTHEST])
+        if infrared[sensor, DROPOUT] > 0.0 and uniform(key0, key1, tick, 1) < infrared[sensor, DROPOUT]:
             samples[slot] = STATUS_FAULT
             samples[slot + 1] = 0.0
 
@@ -94,23 +88,15 @@ def _spoil_many(ticks: Ints, samples: Floats, first: int, end: int, infrared: Fl
         _spoil(ticks[world], infrared[world], schedule[world], samples[world])
 
 
-class _Grouped(NamedTuple):
-    """Sensors grouped by their mounts, as kernels take them."""
-
-    mounts: Floats
-    groups: Ints
-    beams: Floats
-
-
 @dataclass(frozen=True)
 class ProximityBlock:
     """All proximity sensors: ideal and infrared ones, the errors of the infrared ones, and sonars."""
 
-    seeing: _Grouped
+    seeing: Grouped
     seeing_schedule: Ints
     infrared: Floats
     infrared_schedule: Ints
-    sonars: _Grouped
+    sonars: Grouped
     sonar_figures: Floats
     sonar_schedule: Ints
 
@@ -236,18 +222,25 @@ class ProximityKind(Kind):
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> ProximityBlock:
         """Return the block."""
-        models = [sensor.declaration.model for sensor in fitted]
-        sonar = np.array([model == "sonar" for model in models])
-        infrared = np.array([model == "infrared" for model in models])
-        infrared_errors = [_infrared(one.declaration) for one in fitted if one.declaration.model == "infrared"]
-        sonar_figures = [_figures(one.declaration) for one in fitted if one.declaration.model == "sonar"]
+        by_body = groupby(zip(schedule[:, BODY].tolist(), fitted, strict=True), key=itemgetter(0))
+        return self.assemble([self.piece([sensor for _, sensor in group]) for _, group in by_body], schedule)
+
+    def piece(self, fitted: Sequence[Fitted], /) -> Piece:
+        """Return the arrays of one body."""
+        return piece_of([sensor.declaration for sensor in fitted], fitted[0].start)
+
+    def assemble(self, pieces: Sequence[Piece], schedule: Ints, /) -> ProximityBlock:
+        """Return the block."""
+        firsts = np.cumsum([0, *[len(piece.sonar) for piece in pieces[:-1]]])
+        bodies = schedule[firsts, BODY]
+        sonar = np.concatenate([piece.sonar for piece in pieces])
         return ProximityBlock(
-            seeing=_grouped([one for one in fitted if one.declaration.model != "sonar"]),
+            seeing=joined([piece.seeing for piece in pieces], bodies),
             seeing_schedule=schedule[~sonar],
-            infrared=np.array(infrared_errors, dtype=np.float64).reshape(-1, 4),
-            infrared_schedule=schedule[infrared],
-            sonars=_grouped([one for one in fitted if one.declaration.model == "sonar"]),
-            sonar_figures=np.array(sonar_figures, dtype=np.float64).reshape(-1, FIGURE_COLUMNS),
+            infrared=np.concatenate([piece.infrared for piece in pieces]),
+            infrared_schedule=schedule[np.concatenate([piece.is_infrared for piece in pieces])],
+            sonars=joined([piece.sonars for piece in pieces], bodies),
+            sonar_figures=np.concatenate([piece.sonar_figures for piece in pieces]),
             sonar_schedule=schedule[sonar],
         )
 
@@ -261,11 +254,6 @@ class ProximityKind(Kind):
         if status == STATUS_OK:
             return ProximityReading(id=sensor.declaration.id, tick=tick, value=distance)
         return ProximityReading(id=sensor.declaration.id, tick=tick, status=_STATUS[int(status)])
-
-
-def _infrared(declaration: Proximity) -> tuple[float, ...]:
-    sigma = declaration.noise_volts / VOLT_METRES
-    return sigma, declaration.dropout, declaration.min_range, declaration.max_range
 
 
 def _check_device(where: str, declaration: Proximity) -> None:
@@ -282,64 +270,3 @@ def _check_device(where: str, declaration: Proximity) -> None:
     if declaration.max_range > device.max_range:
         text = f"{where}.MaxRange: expected at most {device.max_range:g} of {name}, got {declaration.max_range:g}"
         raise RequestRefusedError("value", text)
-
-
-def _figures(declaration: Proximity) -> tuple[float, ...]:
-    """Return the row of a sonar in a figure block of `kernels.sonar_beam`."""
-    limit_deg = 0.5 * declaration.cone_deg
-    sure_deg, frequency = SURE_SHARE * limit_deg, FREQUENCY
-    if declaration.device is not None:
-        device = DEVICES[declaration.device]
-        sure_deg, limit_deg, frequency = device.sure_deg, device.limit_deg, device.frequency
-    return (
-        declaration.dropout,
-        declaration.crosstalk,
-        math.radians(sure_deg),
-        math.radians(limit_deg),
-        # Slightly less, so that the thing of the source is heard whatever is rounded.
-        (1.0 - 1e-9) * THIN_WIDTH / (THIN_DISTANCE * THIN_DISTANCE * THIN_DISTANCE),
-        SPEED_OF_SOUND / frequency,
-        declaration.ping_delay,
-        declaration.second_ping_delay,
-    )
-
-
-def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
-    """Return the sensors grouped: those of one body and one frame share a mount."""
-    mounts: list[tuple[float, float, float, float]] = []
-    groups: list[tuple[int, bool, int, int]] = []
-    beams: list[tuple[float, ...]] = []
-    for (body, mount), group in groupby(fitted, key=lambda sensor: (sensor.body, sensor.declaration.mount)):
-        sensors = list(group)
-        begin = len(beams)
-        own, reach = _beams(tuple([sensor.declaration for sensor in sensors]))
-        beams.extend(own)
-        start = sensors[0].start
-        mounts.append((start.x, start.y, start.heading, reach))
-        groups.append((body, mount == "start", begin, len(beams)))
-    return _Grouped(
-        mounts=np.array(mounts, dtype=np.float64).reshape(-1, MOUNT_COLUMNS),
-        groups=np.array(groups, dtype=np.int64).reshape(-1, GROUP_COLUMNS),
-        beams=np.array(beams, dtype=np.float64).reshape(-1, BEAM_COLUMNS),
-    )
-
-
-@lru_cache(maxsize=256)  # most bodies have the sensors of another one, and every join compiles all of them again
-def _beams(declarations: tuple[Proximity, ...]) -> tuple[tuple[tuple[float, ...], ...], float]:
-    """Return the beams of the sensors of a mount, and how far from it they reach, m."""
-    reach = max(math.sqrt(one.x * one.x + one.y * one.y) + one.max_range for one in declarations)
-    return tuple(_beam(one) for one in declarations), reach
-
-
-def _beam(declaration: Proximity) -> tuple[float, ...]:
-    half_cos, half_sin = unit_vector(0.5 * declaration.cone_deg)
-    return (
-        declaration.x,
-        declaration.y,
-        declaration.z,
-        *unit_vector(declaration.direction_deg),
-        half_cos,
-        half_sin,
-        declaration.min_range,
-        declaration.max_range,
-    )

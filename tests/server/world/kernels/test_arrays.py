@@ -1,5 +1,6 @@
 """Bodies as arrays: radii of the presets, keys, and what is no body."""
 
+import numpy as np
 import pytest
 
 from intellwheels_server.world.kernels.arrays import (
@@ -16,6 +17,7 @@ from intellwheels_server.world.kernels.arrays import (
     key_of,
     part_rows,
     radius_of,
+    reordered,
 )
 
 
@@ -69,3 +71,20 @@ def test_body_without_extent_is_refused_in_words() -> None:
         bodies_from([Shape("ghost", [])])
     with pytest.raises(ValueError, match=r"^body 'flat': expected parts with length, width and height, got "):
         bodies_from([Shape("flat", [Box(0.0, 0.0, 1.0, 0.0, 0.0, 1.0)])])
+
+
+def test_bodies_of_two_blocks_in_another_order_are_as_compiled_in_that_order() -> None:
+    leg = Box(0.5, -0.3, 0.05, 0.06, 0.0, 0.69)
+    a = Shape("a", [Box(0.25, 0.0, 1.2, 0.66, 0.1, 1.3)], externally_posed=True)
+    b = Shape("b", [leg, Box(0.0, 0.0, 1.2, 0.8, 0.69, 0.72), leg], anchored=True)
+    c = Shape("c", [leg, leg])
+    empty = bodies_from([])
+    for first, second, order in (([c, a], [b], [a, b, c]), ([a, b, c], [], [c, a]), ([], [b], [b]), ([a], [], [])):
+        both = [*first, *second]
+        columns = np.array([both.index(shape) for shape in order], dtype=np.int64)
+        found = reordered(bodies_from(first), bodies_from(second), columns)
+        for block, expected in zip(found, bodies_from(order), strict=True):
+            assert (block.dtype, block.shape) == (expected.dtype, expected.shape)
+            assert np.array_equal(block, expected)
+            assert block.flags.c_contiguous
+    assert reordered(empty, empty, np.empty(0, dtype=np.int64)).part_start.tolist() == [0]

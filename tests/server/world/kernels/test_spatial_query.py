@@ -31,7 +31,7 @@ def test_all_within_reach_is_gathered_bodies_first_and_without_the_owner(seed: i
     walls, bodies = floor.walls, floor.bodies
     placed = place_bodies(floor.pose, bodies.parts, bodies.part_start)
     nearby, boxes = room_for(placed, walls), placed.boxes
-    around, polygons, solids, found_places, _ = nearby
+    around, polygons, solids, _, found_places, _ = nearby
     for owner in range(5):
         x, y, reach = floor.pose[0, owner], floor.pose[1, owner], 2.0
         place = Place(x, y, reach, owner, owner)
