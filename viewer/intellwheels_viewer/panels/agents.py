@@ -36,7 +36,7 @@ _STATES: Final = {
     "stale": "stale: no recent pose",
 }
 _COLUMNS: Final = (
-    '<colgroup><col><col style="width:46px"><col style="width:52px"><col style="width:54px"></colgroup>'
+    '<colgroup><col><col style="width:40px"><col style="width:44px"><col style="width:50px"></colgroup>'
     "<tr><th>agent</th><th>speed<br>m/s</th>"
     '<th title="The smallest range that its sensors measure now."><u>nearest</u><br>m</th>'
     '<th title="How often it has touched a wall or another body."><u>contacts</u></th></tr>'

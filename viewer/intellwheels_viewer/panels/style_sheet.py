@@ -73,7 +73,8 @@ vertical-align:bottom}
 .iw tr.chosen td,.iw tr.chosen:hover td{background:var(--iw-chosen)}
 .iw tr.chosen td:first-child{box-shadow:inset 3px 0 #e5cf00}
 .iw tr.stale td>*,.iw-old,.iw-old b,.iw-old span{color:var(--iw-soft)}.iw tr.stale svg,.iw-old svg{opacity:.4}
-.iw-wide{width:204px;overflow:hidden;text-overflow:ellipsis;white-space:nowrap}.iw-wide.iw-whole{width:252px}
+.iw-wide{width:min(204px,100cqw - 66px);overflow:hidden;text-overflow:ellipsis;white-space:nowrap}
+.iw-wide.iw-whole{width:min(252px,100cqw - 18px)}
 .iw-why,.iw th u{cursor:help;text-decoration:underline dotted;text-underline-offset:2px}
 .iw-group{padding-top:8px}
 .iw-log{list-style:none;margin:0;padding:0}
@@ -89,7 +90,9 @@ overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 .iw-plan{position:relative;padding:2px 16px 0 10px}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
 .iw-plan.over{height:0;z-index:2;padding-top:2px}.iw-plan [data-agent]{cursor:pointer}
 .iw-bar{height:5px;border:solid var(--iw-soft);border-width:0 1px 1px}
-div:has(>[data-testid=agents]){max-height:min(44vh,430px);overflow-y:auto;overscroll-behavior:contain}
+div:has(>[data-testid=agents]){max-height:min(44vh,430px);overflow-y:auto;overscroll-behavior:contain;
+container-type:inline-size}
+:is(div:has(>[data-testid=agents]),.iw-note):focus-visible{outline:2px solid var(--iw-focus);outline-offset:-2px}
 .iw tr:has(th) th{position:sticky;top:0;background:var(--iw-ground);z-index:1}
 [data-testid=drive],[data-testid=place]{min-height:58px}
 [data-testid=clock]{--room:58px;min-height:calc(88px + var(--room))}
@@ -108,8 +111,9 @@ border:0;padding:5px 3px;cursor:pointer;flex:1 1 auto}
 .iw-segments button:focus-visible,.iw-tools button:focus-visible{outline:2px solid var(--iw-focus);
 outline-offset:-2px}
 :is(.iw-segments,.iw-tools) button[aria-pressed=true]:focus-visible{outline-color:var(--iw-ground)}
-.iw-tools{display:flex;gap:5px}
-.iw-tools button{border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
+.iw-tools{display:flex;flex-wrap:wrap;gap:5px}.iw:has(>.iw-tools){container-type:inline-size}
+@container (max-width:250px){.iw-tools button{flex-basis:30%}}
+.iw-tools button{white-space:nowrap;border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
 .iw-tools button[aria-pressed=true]{background:var(--iw-red);border-color:var(--iw-red);color:var(--iw-floor)}
 .iw-drive{display:flex;gap:12px;align-items:center}
 .iw-stick{position:relative;flex:none;width:116px;height:116px;border-radius:50%;touch-action:none;cursor:grab;
