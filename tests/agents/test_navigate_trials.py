@@ -66,6 +66,12 @@ def test_summary_states_hours_and_the_highest_rate() -> None:
     assert "stood over 60 s 1" in found
 
 
+def test_kept_rows_can_be_read_and_none_is_there_twice() -> None:
+    kept = read(Path(navigate_trials.__file__).with_suffix(".csv"))
+    assert kept
+    assert len({(*one.run, one.chair) for one in kept}) == len(kept)
+
+
 @pytest.mark.process
 def test_commit_of_the_code_is_named() -> None:
     assert commit_here().rstrip("+").isalnum()
