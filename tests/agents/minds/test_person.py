@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import msgspec
 import numpy as np
 import pytest
 
 from intellwheels_agents.options import OptionError
 from intellwheels_maps import robot, scene
-from intellwheels_schemas.messages import Corner, Map, Position, Wall
+from intellwheels_schemas.messages import Corner, Doorway, Map, Position, Wall
 from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
 from tests.agents.person_trials import at_door, two_rooms
@@ -175,6 +176,76 @@ def test_person_waits_for_a_chair_in_the_doorway() -> None:
     assert arena.contacts() == []
     passed = {name: next(i for i, (x, _, _) in enumerate(path) if x > 0.0) for name, path in arena.paths.items()}
     assert passed["chair"] < passed["one"]
+
+
+def chair(arena: Arena, start: tuple[float, float], goal: tuple[float, float], mind: str = "waypoints") -> None:
+    options = {"points": f"{goal[0]} {goal[1]}", **({"lead": "true", "speed": "0.6"} if mind == "waypoints" else {})}
+    heading = math.atan2(goal[1] - start[1], goal[0] - start[0])
+    arena.join("chair", mind, "rear-wheel", None, options, Position(x=start[0], y=start[1], heading=heading))
+
+
+def test_quick_walker_follows_a_slow_one_where_it_cannot_overtake() -> None:
+    arena = Arena(corridor(14.0, 1.0))
+    walker(arena, "slow", (1.5, 0.0), (14.0, 0.0), speed="0.7")
+    walker(arena, "quick", (0.0, 0.0), (14.0, 0.0), speed="1.4")
+    arena.run(12.0)
+    assert arena.contacts() == []
+    gaps = [a[0] - b[0] for a, b in zip(arena.paths["slow"], arena.paths["quick"], strict=True)][100:]
+    assert min(gaps) > 0.4
+    assert max(gaps) < 1.2
+    assert arena.paths["slow"][-1][0] == pytest.approx(1.5 + 12.0 * 0.7, abs=0.5)
+
+
+def test_person_follows_a_chair_that_it_likes_through_a_doorway() -> None:
+    arena = Arena(two_rooms(1.0))
+    chair(arena, (-2.0, 0.0), (4.0, 0.0))
+    arena.join("anna", "person", "person", None, {"likes": "chair"}, Position(x=-4.0, y=-1.5, heading=math.pi))
+    arena.run(16.0)
+    assert far(arena, "chair", (4.0, 0.0)) < 0.2
+    assert 1.0 < far(arena, "anna", arena.paths["chair"][-1][:2]) < 2.0
+    assert arena.contacts() == []
+
+
+def test_chair_follows_a_person() -> None:
+    arena = Arena(corridor(14.0, 2.4))
+    walker(arena, "anna", (2.0, 0.0), (9.0, 0.0), speed="0.6", lead="true")
+    arena.join("chair", "follow", "mid-wheel", None, {"leader": "anna"}, Position(x=0.0, y=0.0, heading=0.0))
+    arena.run(20.0)
+    assert far(arena, "anna", (9.0, 0.0)) < 0.5
+    assert far(arena, "chair", arena.paths["anna"][-1][:2]) == pytest.approx(2.0, abs=0.3)
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize("feels", [True, False])
+def test_feelings_decide_who_follows_the_chair_and_who_keeps_off(feels: bool) -> None:
+    arena = Arena(scene("feelings").map)
+    for one in scene("feelings").cast:
+        options = {each.name: each.value for each in one.option if feels or each.name not in {"likes", "fears"}}
+        arena.join(one.name, one.mind, one.robot, one.place, options)
+    assert arena.setup.floor.grid
+    ends = {place.name: (place.x, place.y) for place in arena.setup.floor.grid.position}
+    arena.run(15.0)
+    assert far(arena, "ben", ends["goal3"]) < 0.6
+    assert far(arena, "chair", ends["spare3"]) < 0.3
+    assert (far(arena, "anna", ends["spare3"]) < 2.0) == feels
+    assert arena.contacts() == []
+    near = min(math.dist(a[:2], b[:2]) for a, b in zip(arena.paths["ben"], arena.paths["chair"], strict=True))
+    assert (near > 1.7) == feels
+
+
+def test_nobody_can_like_and_fear_the_same() -> None:
+    with pytest.raises(OptionError, match="option fears: expected agents that it does not like, got 'chair'"):
+        Arena("room").join("torn", "person", "person", "start1", {"likes": "anna, chair", "fears": "chair"})
+
+
+def test_person_finds_a_wide_doorway_that_the_map_declares() -> None:
+    """The wall is in its straight way."""
+    door = Doorway(name="door", x=0.0, y=0.0, heading_deg=180.0, width=1.4)
+    arena = Arena(msgspec.structs.replace(two_rooms(1.4), doorway=(door,)))
+    walker(arena, "one", (-3.0, 2.2), (4.0, -2.0))
+    arena.run(12.0, lambda arena: far(arena, "one", (4.0, -2.0)) < 0.5)
+    assert far(arena, "one", (4.0, -2.0)) < 0.5
+    assert arena.contacts() == []
 
 
 def test_walker_in_a_loop_returns_and_goes_on() -> None:
