@@ -219,7 +219,7 @@ class NetworkProbe:
         """Return the clock of the Measures that were put last."""
         if self._last is None:
             return None
-        measures = decode(Measures, *self._last)
+        measures = decode(Measures, *self._last, strict=False)  # one point puts fields that nobody knows
         return Clock(
             run=measures.run, tick=measures.tick, time=measures.time, state="running", pace="lockstep",
             hash="0" * 16, stamp=time.time(),

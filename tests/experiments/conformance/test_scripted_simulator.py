@@ -22,7 +22,7 @@ from intellwheels_maps import floor
 from intellwheels_schemas.codec import Encoding, decode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Answer, Link, declare_token, open_session, query, tokens
-from intellwheels_schemas.messages import Map, Refused, Result
+from intellwheels_schemas.messages import Clock, Map, Refused, Result
 from tests.e2e.stage import free_port
 
 pytestmark = pytest.mark.process
@@ -112,6 +112,24 @@ def test_simulator_is_present_answers_and_disappears() -> None:
         probe.put("measures", b"{}", Encoding.JSON)  # to nobody
         with pytest.raises(ConnectionError):
             open_session(link, stop, timeout=0.1)
+
+
+def test_clock_is_that_of_the_last_measures_with_fields_that_nobody_knows_too() -> None:
+    run = "1" * 16
+    plain = f'<Measures Mood="1" Run="{run}" Tick="7" Time="0.35"><Sensors/></Measures>'.encode()
+    with probing("") as (probe, client):
+        probe.start_simulator()
+        probe.put("measures", plain, Encoding.XML)
+        session = open_session(client, threading.Event(), timeout=20.0)
+        assert session is not None
+        answers: list[Answer] = []
+        with session:
+            asking = threading.Thread(target=lambda: answers.extend(query(session, KEYS.clock, timeout=10.0)))
+            asking.start()
+            assert probe.next_event(0.5) is None
+            asking.join(10.0)
+    clock = decode(Clock, answers[0].data)
+    assert (clock.run, clock.tick, clock.time) == (run, 7, 0.35)
 
 
 def test_check_that_is_told_to_stop_stops() -> None:
