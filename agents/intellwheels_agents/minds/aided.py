@@ -36,9 +36,11 @@ from intellwheels_agents.user_input import takes_drive, wanted
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.messages import Actions, Measures, Robot
 
-CONE_OFFSET: Final = 0.26
-"""Offset of the two added cones from the centre line, m. From 1.5 m before a doorway of 0.81 m they see through it, on
-lines where the cones at the middle and at the corners of a chair do not look."""
+CONE_INSET: Final = 0.03
+"""Distance of the two added cones from the sides of the body, m. A chair drives straight ahead in a strip as wide as
+itself and its margins. From 1.05 m on, these cones and one of 30 degrees at the middle see the whole strip, with 0.02 m
+to spare at its sides. Nearer to the middle they would not see its sides; nearer to the sides they would leave a gap
+beside the cone at the middle. Points that no cone sees past stay in the way."""
 
 
 def equip(robot: Robot, options: Options) -> Robot:
@@ -47,7 +49,7 @@ def equip(robot: Robot, options: Options) -> Robot:
     ahead = next((one for one in robot.proximity if one.mount == "body" and one.direction_deg == 0.0), None)
     if ahead is None:
         return robot
-    offset = min(CONE_OFFSET, outline(robot).side)
+    offset = max(0.0, outline(robot).side - CONE_INSET)
     # Turned slightly outward, so that sorting by direction puts them between the neighbouring cones.
     added = tuple(
         msgspec.structs.replace(ahead, id=f"aid-{name}", y=sign * offset, direction_deg=sign * 0.5, cone_deg=10.0)

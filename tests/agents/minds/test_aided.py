@@ -13,7 +13,10 @@ import random
 import pytest
 
 from intellwheels_agents.minds.aided import Mind, equip
+from intellwheels_agents.navigation.collision_guard import CELL
+from intellwheels_agents.navigation.obstacle_memory import CLEARING
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.range_scan import outline
 from intellwheels_maps import robot
 from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import Actions, Measures, Robot, UserInput
@@ -181,6 +184,25 @@ def test_chair_without_a_user_stands() -> None:
     actions = mind.decide(Measures(run=RUN, tick=0, time=0.0))
     assert (actions.left_motor, actions.right_motor) == (0.0, 0.0)
     assert equip(robot("rear-wheel"), Options()).user_input == ("drive", "words")
+
+
+@pytest.mark.parametrize("chair", CHAIRS)
+def test_cones_ahead_see_past_the_whole_strip_that_a_chair_drives_in(chair: str) -> None:
+    """A point that no cone sees past stays in the way. At each side of the strip, 0.02 m are to spare."""
+    body = equip(robot(chair), Options())
+    half = outline(body).side + 0.0125 + 0.02
+    for metres in (1.05, 1.2, 1.35, 1.5):
+        seen = []
+        for cone in body.proximity:
+            s, c = math.sin(math.radians(cone.direction_deg)), math.cos(math.radians(cone.direction_deg))
+            edge = math.radians(cone.cone_deg) / 2.0
+            dx = outline(body).front + metres - cone.x
+            for k in range(-50, 51):
+                dy = half * k / 50.0 - cone.y
+                along, across = c * dx + s * dy, abs(c * dy - s * dx)
+                if along > 0.0 and across < along * math.tan(edge) - CLEARING * CELL / math.cos(edge):
+                    seen.append(k)
+        assert set(seen) == set(range(-50, 51))
 
 
 def test_robot_without_encoders_is_refused() -> None:
