@@ -40,7 +40,7 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 EXAMPLES = """\
 examples:
   a chair that drives to a place on the map room; iw-server runs on this machine
-      iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
+      iw-agent waypoints --name chair1 --robot rear-wheel --place start1 --option to=spare3
   a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
   a door on the map room with a noisy compass; a name that begins with a capital letter sets a field of the robot

@@ -20,9 +20,9 @@ Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"
 
 LINES_HELP: Final = """
 a run's lines, where standard output is no terminal (on a terminal a table has the same, with `turned` in degrees):
-  agent    for each agent: place, its goal; reached, whether it got there; distance, how far it still was; contacts,
-           their number; path, its length; age, the mean age of its commands, 0 in lockstep; turned_deg, the largest
-           angle from its first heading; `-` where a value does not apply
+  agent    for each agent: place, its goal; reached, whether it was there at the end; distance, how far it was from it
+           then; contacts, their number; path, its length; age, the mean age of its commands, 0 in lockstep;
+           turned_deg, the largest angle from its first heading; `-` where a value does not apply
   run      ticks and time are simulated, wall is real; factor is time / wall; late counts ticks that began too late
   held, not-held    whether all conditions of the scene held; `failed` lines say which did not; finish is how the run
            ended: ended (as the scene says), missed (a lockstep answer did not come), died (a process ended),

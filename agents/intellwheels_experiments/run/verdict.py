@@ -119,5 +119,5 @@ def _agents(scene: Scene, floor: Map, record: RunRecord) -> tuple[AgentResult, .
 
 def _shortfall(agent: AgentResult) -> str:
     if agent.distance is None:
-        return f"agent {agent.name!r} did not reach {agent.place!r}"
-    return f"agent {agent.name!r} did not reach {agent.place!r}: it ended {agent.distance:.2f} m away"
+        return f"agent {agent.name!r} did not end at {agent.place!r}"
+    return f"agent {agent.name!r} did not end at {agent.place!r}: it ended {agent.distance:.2f} m away"

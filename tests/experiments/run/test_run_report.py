@@ -22,7 +22,7 @@ RESULT = Result(
     finish="ended",
     words="",
     held=False,
-    failed=("agent 'chair1' did not reach 'goal1': it ended 1.00 m away",),
+    failed=("agent 'chair1' did not end at 'goal1': it ended 1.00 m away",),
     hash="00000000000000ff",
     ticks=812,
     time=40.6,
@@ -49,7 +49,7 @@ def test_lines_are_a_verb_and_values() -> None:
         "agent name=chair1 mind=waypoints robot=rear-wheel place=goal1 reached=no distance=1.000m contacts=0 "
         "path=0.00m age=0.000s turned_deg=0",
         "run ticks=812 time=40.60s wall=2.00s factor=20.3 contacts=0 late=0 seed=1 hash=00000000000000ff",
-        "failed agent 'chair1' did not reach 'goal1': it ended 1.00 m away",
+        "failed agent 'chair1' did not end at 'goal1': it ended 1.00 m away",
         "not-held scene=figure6 finish=ended",
     ]
 

@@ -63,7 +63,7 @@ def test_everything_held() -> None:
 
 def test_place_that_was_not_reached_is_reported_with_the_distance() -> None:
     verdict = judge(scene(BOTH), FLOOR, seen(4.0))
-    assert verdict.failed == ("agent 'chair1' did not reach 'goal1': it ended 1.00 m away",)
+    assert verdict.failed == ("agent 'chair1' did not end at 'goal1': it ended 1.00 m away",)
 
 
 def test_one_contact_too_many_does_not_hold() -> None:
