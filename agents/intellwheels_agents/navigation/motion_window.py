@@ -2,8 +2,9 @@
 
 A command is tried by simulation: the speed approaches it as the motors let it. The command is safe if, given for one
 period and followed by full braking, it keeps the footprint clear of every sensed point until the body stands, each
-point moving on as it does now. Since braking was safe a tick ago, it still is: a body that obeys stands before it
-touches anything that moves as predicted. Of the safe commands the one is taken from whose end the goal costs least.
+point that comes nearer moving on as it does now, and each other standing. Since braking was safe a tick ago, it still
+is: a body that obeys stands before it touches anything that moves as predicted. Of the safe commands the one is taken
+from whose end the goal costs least.
 
 Sources: D. Fox, W. Burgard, S. Thrun, The dynamic window approach to collision avoidance, IEEE Robotics and Automation
 Magazine 4 (1997) 23. O. Brock, O. Khatib, High-speed navigation using the global dynamic window approach, ICRA 1999:

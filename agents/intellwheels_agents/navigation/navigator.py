@@ -327,9 +327,12 @@ class Navigator:
         velocities, growth = np.zeros((found.shape[0], 2)), np.zeros(found.shape[0])
         self._strange = found[strange]
         velocities[strange], growth[strange] = self._tracks.update(self._strange)
+        # What moves away may stop at any time, so it counts as standing.
+        off = found - np.array([[pose[0], pose[1]]])
+        velocities[(off * velocities).sum(axis=1) > 0.0] = 0.0
         if self._unseen.shape[0]:
-            off = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
-            hidden = self._thinned(self._unseen[off < reach], pose)
+            apart = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
+            hidden = self._thinned(self._unseen[apart < reach], pose)
             found = np.concatenate([found, hidden])
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
             growth = np.concatenate([growth, np.zeros(hidden.shape[0])])

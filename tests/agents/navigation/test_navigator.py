@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 
 import msgspec
+import numpy as np
 import pytest
 
 from intellwheels_agents.minds.navigate import equip
+from intellwheels_agents.navigation.array_angles import Floats
+from intellwheels_agents.navigation.motion_window import Choice, MotionWindow
 from intellwheels_agents.navigation.navigator import Navigator
 from intellwheels_agents.options import Options
 from intellwheels_maps import robot
@@ -92,12 +95,12 @@ def test_closed_door_is_asked_to_open() -> None:
     assert said.count("open") <= 4
 
 
-def _leaf() -> tuple[float | None, ...]:
-    """Return the ranges of a scanner at the front left corner to a leaf in the doorway, 1.425 m ahead of it."""
+def _leaf(ahead: float = 1.425) -> tuple[float | None, ...]:
+    """Return the ranges of a scanner at the front left corner to a leaf of 1 m, so far ahead of it, m."""
     found: list[float | None] = []
     for degree in range(-90, 181):
         angle = math.radians(degree)
-        metres = 1.425 / math.cos(angle) if abs(degree) < 80 else None
+        metres = ahead / math.cos(angle) if abs(degree) < 80 else None
         inside = metres is not None and abs(0.3275 + metres * math.sin(angle)) < 0.5
         found.append(metres if inside else None)
     return tuple(found)
@@ -110,3 +113,21 @@ def test_any_robot_document_will_do(name: str) -> None:
     truth = TruthReading(id="truth", x=6.0, y=6.0, heading=0.0, speed=0.0, turn_rate=0.0)
     answer = one.decide(Measures(run=RUN, tick=1, time=0.05, sensors=Sensors(truth=(truth,))))
     assert answer.mode == "autonomous"
+
+
+@pytest.mark.parametrize(("speed", "moves"), [(0.5, False), (-0.5, True)], ids=["away", "nearer"])
+def test_what_moves_away_counts_as_standing(monkeypatch: pytest.MonkeyPatch, speed: float, moves: bool) -> None:
+    seen: list[float] = []
+
+    def choose(self: MotionWindow, _pose: object, _goal: object, points: Floats, _slow: float = 1.0) -> Choice:
+        near = points[np.abs(points[:, 1]) < 0.2]
+        seen.append(float(np.abs(near[:, 2]).max(initial=0.0)))
+        return Choice(self.stop(), 0.0, True)
+
+    monkeypatch.setattr(MotionWindow, "choose", choose)
+    one = navigator(room(size=12.0), [(8.0, 3.0)])
+    for tick in range(1, 30):
+        ranges = _leaf(1.6 + speed * 0.05 * tick)
+        scan = LidarReading(id="scan-front", tick=tick, start_deg=-90.0, step_deg=1.0, ranges=ranges, statuses=())
+        one.decide(measured(tick, scan=scan))
+    assert (max(seen) > 0.2) is moves
