@@ -49,3 +49,13 @@ def test_a_ward_of_thirty_has_at_most_150_thousand_triangles_and_150_draw_calls(
     assert sum(count for _, count in drawn) <= 150_000
     assert sum(primitives(each) for each, count in drawn if count) <= 150
     pages.scene.reset()
+
+
+def test_only_what_stands_casts_a_shadow(pages: viser.ViserServer) -> None:
+    Stage(pages).show(crowded(), ())
+    nodes = pages.scene._handle_from_node_name
+    casting = {name for name, each in nodes.items() if getattr(each._impl.props, "cast_shadow", False)}
+    flat = ("/outline", "/tint", "/contact", "/stripes")
+    assert any(name.endswith("/paint") for name in casting)
+    assert not [name for name in casting if name.endswith(flat) or name.startswith(("/floor", "/goals", "/labels"))]
+    pages.scene.reset()

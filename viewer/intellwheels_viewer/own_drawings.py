@@ -1,4 +1,4 @@
-"""What one browser draws in its own scene: its labels, which depend on its camera, and the wedges of its selection."""
+"""What one browser draws in its own scene: labels and a sun for its camera, and the wedges of its selection."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import viser
 
 from intellwheels_viewer.drawings.label_layout import Picture
 from intellwheels_viewer.drawings.labels import Labels, tags, unlabelled
+from intellwheels_viewer.drawings.sun import OwnSun
 from intellwheels_viewer.drawings.wedges import Wedges
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class OwnDrawings:
         scene = client.scene
         self._frames = {name: scene.add_frame(name, show_axes=False) for name in (LABELS, WEDGES)}
         self._labels, self._wedges = Labels(scene, LABELS), Wedges(scene, WEDGES)
+        self._sun = OwnSun(scene)
         self._picture, self._now = picture, now
         self._next = -SELDOM
         self.seen: list[Entity] | None = None
@@ -62,12 +64,13 @@ class OwnDrawings:
         self.label(snapshot, selected, layers)
 
     def label(self, snapshot: Snapshot, selected: str | None, layers: Layers) -> None:
-        """Draw the labels, if it is time: with the bodies, and while the camera of a paused run moves."""
+        """Draw the sun, and the labels if it is time: with the bodies, and while the camera of a paused run moves."""
         self._frames[LABELS].visible = layers.labels
-        now = self._now()
+        picture, now = self._picture(), self._now()
+        self._sun.show(picture)
         if self._was_inside != (self.seen is not None):
             self._was_inside, self._next = self.seen is not None, now  # names behind walls go at once
-        if not layers.labels or now < self._next or (picture := self._picture()) is None:
+        if not layers.labels or now < self._next or picture is None:
             return
         entities = snapshot.entities if self.seen is None else self.seen
         self._next = now + (OFTEN if len(entities) <= FEW else SELDOM)

@@ -19,6 +19,7 @@ from intellwheels_viewer.drawings.ghosts import Ghosts, reported
 from intellwheels_viewer.drawings.goals import Goals
 from intellwheels_viewer.drawings.labels import Labels, tags
 from intellwheels_viewer.drawings.lidar_points import Lidars
+from intellwheels_viewer.drawings.sun import add_sun
 from intellwheels_viewer.drawings.trails import Trails
 from intellwheels_viewer.drawings.wedges import Wedges
 from intellwheels_viewer.palette import Colours
@@ -61,7 +62,7 @@ class Stage:
         scene.configure_default_lights(enabled=False)
         # With these two lights a surface has the colour that was assigned to it.
         scene.add_light_hemisphere("/lights/sky", intensity=2.0)
-        scene.add_light_directional("/lights/sun", intensity=1.2, position=(-6.0, -9.0, 16.0), cast_shadow=True)
+        add_sun(scene, shadows=True)
         scene.set_background_image(background(NIGHT if dark else SKY), format="png")
         for name in (*LAYERS.values(), "/labels"):
             scene.add_frame(name, show_axes=False)
