@@ -32,6 +32,7 @@ DEFAULT = (
     "learning", "worlds",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
+KEPT = Path(__file__).parent / "results.csv"
 
 
 def main() -> None:
@@ -51,10 +52,11 @@ def main() -> None:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="run short versions, to check that the benchmarks work; their figures mean nothing",
+        help="run short versions, to check that the benchmarks work; their figures mean nothing and are kept only with "
+        "--csv",
     )
     parser.add_argument(
-        "--csv", type=Path, default=Path(__file__).parent / "results.csv", metavar="FILE",
+        "--csv", type=Path, metavar="FILE",
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     parser.add_argument(
@@ -63,17 +65,20 @@ def main() -> None:
         help="run each benchmark of this commit too, right after the checkout's, and print the ratios",
     )
     options = parser.parse_args()
+    file = options.csv or (None if options.quick else KEPT)
     if options.beside:
         for one in options.benches or DEFAULT:
             rows = run([one], quick=options.quick)
             others = beside.rows_of(options.beside, one, quick=options.quick)
             show([*rows, *beside.ratios(rows, others)])
-            append(rows, options.csv)
-            append(others, options.csv, options.beside)
+            if file is not None:
+                append(rows, file)
+                append(others, file, options.beside)
         return
     rows = run(options.benches or list(DEFAULT), quick=options.quick)
     show(rows)
-    append(rows, options.csv)
+    if file is not None:
+        append(rows, file)
 
 
 def run(wanted: list[str], *, quick: bool) -> list[Row]:

@@ -52,6 +52,22 @@ def test_rows_of_another_commit_are_measured_in_a_checkout_of_its_own(
         beside.rows_of("no-such-commit", "tick")
 
 
+@pytest.mark.parametrize(
+    ("words", "kept"), [(["--quick"], False), (["--quick", "--csv", "rows.csv"], True), ([], True)]
+)
+def test_figures_of_short_versions_are_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], kept: bool
+) -> None:
+    from tests.bench import __main__ as command
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(command, "KEPT", tmp_path / "rows.csv")
+    monkeypatch.setattr(command, "run", lambda wanted, *, quick: [Row("tick", "1 bodies", "step", 1.0, "µs")])
+    monkeypatch.setattr(sys, "argv", ["bench", "tick", *words])
+    command.main()
+    assert (tmp_path / "rows.csv").exists() == kept
+
+
 def rows_of(folder: Path, *benches: str) -> list[dict[str, str]]:
     """Run short versions of benchmarks; return the rows that they wrote."""
     file = folder / "rows.csv"
