@@ -1,4 +1,4 @@
-"""`iw-joystick`: drives a chair by hand, through `user/<agent>`.
+"""`iw-joystick`: drives a chair by hand, with a gamepad, the keyboard or another input device.
 
 A source gives an `InputState`. What its keys, samples or words mean is pure (`key_bindings`, `scan_keys`,
 `sip_and_puff`, `lsl_channels`, `words_source`), and so are `InputTiming`, which decides when a state is sent, and

@@ -1,6 +1,7 @@
 """Follows a leader along the positions that the leader announces.
 
-    leader   whom to follow: a `waypoints` with lead=true, or any agent that says "at X Y" in metres (required)
+    leader   whom to follow: an agent whose mind is `waypoints` or `person` with lead=true, or any that says "at X Y" in
+             metres (required)
     gap      distance kept to the leader's last position, along its path, m (default 2.0)
     speed    speed on straight stretches, m/s (default 0.8)
     stop     distance kept from obstacles in the way, m (default 0.4)

@@ -103,8 +103,8 @@ def parser() -> argparse.ArgumentParser:
         )  # fmt: skip
         one.add_argument(
             "--days", type=_days, default=DAYS, metavar="N",
-            help=f"days for which the certificate is valid, in [1, {DAYS * 10}]; a password expires only on the "
-            f"date in `Until` (default: {DAYS})",
+            help=f"days for which the certificate is valid, in [1, {DAYS * 10}]; a password expires only after "
+            f"the day `Until` of the lab's document, if given (default: {DAYS})",
         )  # fmt: skip
     add_process_options(found)
     return found
