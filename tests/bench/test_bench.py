@@ -52,6 +52,7 @@ def test_rows_of_another_commit_are_measured_in_a_checkout_of_its_own(
         beside.rows_of("no-such-commit", "tick")
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "kept"), [(["--quick"], False), (["--quick", "--csv", "rows.csv"], True), ([], True)]
 )

@@ -1,4 +1,4 @@
-"""`iw-run lab`: two real and two virtual chairs. The true poses of the real ones never leave the laboratory.
+"""`iw-run lab`: two virtual chairs and two stand-ins for real ones, whose true poses never leave the laboratory.
 
 A quarter of a minute of the scene is run twice with the suite, the whole scene with the mark soak.
 """

@@ -18,7 +18,7 @@ from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
 
 NO_WORLD: Final = "Choose a world"
-STAND_IN: Final = "Stand-in: a real chair\u2019s bridge on simulated hardware."
+STAND_IN: Final = "Stand-in: its bridge is that of a real chair, its hardware is simulated."
 """Said where a chair is one."""
 GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</style>"
 """Greys out the picture while it is out of date."""
