@@ -329,7 +329,7 @@ class Navigator:
         velocities[strange], growth[strange] = self._tracks.update(self._strange)
         # What moves away may stop at any time, so it counts as standing.
         off = found - np.array([[pose[0], pose[1]]])
-        velocities[(off * velocities).sum(axis=1) > 0.0] = 0.0
+        velocities[off[:, 0] * velocities[:, 0] + off[:, 1] * velocities[:, 1] > 0.0] = 0.0
         if self._unseen.shape[0]:
             apart = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
             hidden = self._thinned(self._unseen[apart < reach], pose)
