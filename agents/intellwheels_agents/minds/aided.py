@@ -18,9 +18,9 @@ always possible; turning away is not. A chair whose corners swing far beyond its
 first back up, and a chair that extends far behind its wheels cannot turn in place beside a wall.
 
 It cannot see what no sensor sees: anything behind a robot without rear sensors, anything above or below the sensors,
-and anything that has been between two cones ever since the run began. The mind adds two narrow cones ahead to the
-robot, which tell a doorway from a wall. In front of a narrow doorway approached at an angle it may still stop, because
-two cones leave the gap unclear.
+and anything that has been between two cones ever since the run began. To a robot with a cone straight ahead, the mind
+adds two narrow ones, which tell a doorway from a wall. In front of a narrow doorway approached at an angle it may still
+stop, because two cones leave the gap unclear.
 """
 
 from __future__ import annotations

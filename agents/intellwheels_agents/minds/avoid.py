@@ -4,7 +4,7 @@
     clear    distance ahead at which it begins to slow down, m (default 1.5)
     stop     distance ahead at which it turns in place, m; less than clear (default 0.5)
 
-The cones of the included chairs do not cover the bearings from 15 to 30 degrees on either side, and do not tell where
+The cones of most included chairs do not cover the bearings from 15 to 30 degrees on either side, and do not tell where
 in a cone an object is. So the mind adds a 360-degree lidar at the height of the robot's own sensors, and uses only this
 lidar. If another process provides the body, and the body has no such lidar, the mind uses its proximity sensors. It is
 then blind between their cones, and treats an obstacle as if it could be anywhere on the arc at the measured distance.
