@@ -349,8 +349,9 @@ def test_a_finger_on_a_phone_drives_until_it_is_lifted_and_the_bar_pauses(
         moves(phone, peer, "chair2")
         finger("touchEnd")
         stands(phone, peer, "chair2")
-        for state in ("paused", "running"):
-            page.locator("#iw-bar [data-iw=pause]").click()
+        # The button shows what it does, a moment after the simulator's clock says it.
+        for state, act in (("paused", "\u275a\u275a"), ("running", "\u25b6")):
+            page.locator("#iw-bar [data-iw=pause]").filter(has_text=act).click()
             phone.wait(lambda state=state: peer.clock()["State"] == state or None, f"{state} run")  # type: ignore[misc]
 
 
