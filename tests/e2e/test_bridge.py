@@ -20,6 +20,7 @@ import pytest
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.link import START_ONE
 from tests.e2e.stage import Peer, Stage
+from tests.e2e.stand_in import StandIn
 
 WATCHDOG_MS = 5 * 200
 """Five times the promise, as the controller is a process that may be late on a busy machine. Its logic is held to the
@@ -278,37 +279,12 @@ def test_a_killed_bridge_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -
 # ---------------------------------------------------------------- a controller on a line
 
 
-class Controller:
-    """The firmware stand-in as a process, and its faults."""
+class Controller(StandIn):
+    """The firmware stand-in, at the end of a line."""
 
     def __init__(self, stage: Stage, *words: str) -> None:
-        self._stage = stage
         self.port = stage.folder / "tty"
-        pipe = stage.folder / "ask"
-        os.mkfifo(pipe)
-        self.child = stage.start(
-            "firmware",
-            "intellwheels_agents.bridge.firmware_stand_in",
-            "--link",
-            str(self.port),
-            "--ask",
-            str(pipe),
-            *words,
-        )
-        stage.line(self.child, "ready")
-        self._pipe = pipe
-
-    def command(self, line: str) -> None:
-        with self._pipe.open("w") as pipe:
-            pipe.write(line + "\n")
-
-    def line(self, verb: str) -> dict[str, int]:
-        return {name: int(value) for name, value in self._stage.line(self.child, verb).items()}
-
-    def stops_by_command(self) -> None:
-        """Wait until a command stops the motors. On a busy machine the watchdog may have stopped them before."""
-        while self.line("stopped")["silence"] != -1:
-            pass
+        super().__init__(stage, "firmware", "firmware_stand_in", "--link", str(self.port), *words)
 
 
 @pytest.mark.parametrize("fault", ["cut 2", "noise 2", "unplug 2"])

@@ -5,13 +5,13 @@ CAN frames go by UDP multicast with a hop limit of 0, which keeps them on this m
 
 from __future__ import annotations
 
-import os
 import signal
 
 import can
 
 from intellwheels_agents.bridge.rnet_frames import Frame, Stick, decode_frame
 from tests.e2e.stage import Stage, free_port
+from tests.e2e.stand_in import StandIn
 from tests.e2e.test_bridge import bridge, mind
 
 WATCHDOG_MS = 5 * 200
@@ -22,32 +22,9 @@ START = ("--place", "start", "--resume", "auto")
 """A busy machine may be silent for a second, after which a person would have to press Enter."""
 
 
-class StandIn:
-    """A stand-in as a process, and its faults."""
-
-    def __init__(self, stage: Stage, module: str, *words: str) -> None:
-        self._stage = stage
-        self._pipe = stage.folder / "ask"
-        os.mkfifo(self._pipe)
-        self.child = stage.start("chair", f"intellwheels_agents.bridge.{module}", "--ask", str(self._pipe), *words)
-        self.ready = stage.line(self.child, "ready")
-
-    def command(self, line: str) -> None:
-        with self._pipe.open("w") as pipe:
-            pipe.write(line + "\n")
-
-    def line(self, verb: str) -> dict[str, int]:
-        return {name: int(value) for name, value in self._stage.line(self.child, verb).items()}
-
-    def stops_by_command(self) -> None:
-        """Wait until a command stops the motors. On a busy machine the watchdog may have stopped them before."""
-        while self.line("stopped")["silence"] != -1:
-            pass
-
-
 def luci(stage: Stage, *words: str) -> tuple[StandIn, str]:
     """Start a unit with its chair, and a bridge of `real1` to it."""
-    chair = StandIn(stage, "luci_stand_in", "--listen", "127.0.0.1:0")
+    chair = StandIn(stage, "chair", "luci_stand_in", "--listen", "127.0.0.1:0")
     return chair, bridge(stage, "real1", "luci", "--address", chair.ready["address"], *START, *words)
 
 
@@ -111,7 +88,7 @@ def test_a_refused_bridge_takes_no_chair_and_a_killed_one_lets_it_stop(stage: St
 def test_an_r_net_chair_is_followed_in_silence_and_driven_only_with_the_flag(stage: Stage) -> None:
     server = stage.server("--map", "corridor15m", "--pace", "realtime")
     words = bus_words()
-    chair = StandIn(stage, "rnet_stand_in", *words)
+    chair = StandIn(stage, "chair", "rnet_stand_in", *words)
     listener = bridge(stage, "real1", "rnet", *words, *START, "--joystick")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
     with stage.peer() as peer:
